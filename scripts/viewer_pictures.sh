@@ -54,6 +54,7 @@ picture() {  # NAME, then the words of `ovoid view`
 }
 wanted=$*
 picture window head.nrrd
+picture looks2d head.nrrd
 picture space head.nrrd --preset ct-skin
 picture scene head.nrrd --opacity=-300:0,0:0.03,250:0.06,1000:0.15 --add lead.obj --add-color 1,0.75,0.1 --azimuth 55 --elevation 20
 picture time tornado.h5 --mode isosurface --iso 128 --view -y --azimuth 30 --elevation 25

@@ -68,16 +68,11 @@ std::shared_ptr<const Surface> both(std::shared_ptr<const Surface> faces,
   return all;
 }
 
-std::pair<double, double> range_of_values(const Surface& surface) {
-  double lo = std::numeric_limits<double>::max(), hi = std::numeric_limits<double>::lowest();
-  for (const Surface::Triangle& triangle : surface.triangles) {
-    for (const float value : triangle.values) {
-      if (!std::isfinite(value)) continue;
-      lo = std::min<double>(lo, value);
-      hi = std::max<double>(hi, value);
-    }
-  }
-  return lo <= hi ? std::pair(lo, hi) : std::pair(0.0, 1.0);
+// What programs write along with faces, under the names that VTK's readers and writers give it.
+bool is_of_faces(const std::string& name) {
+  static constexpr std::array<std::string_view, 7> kOfFaces = {
+      kNothing, "Normals", "TCoords", "RGB", "RGBA", "Texture Coordinates", "TextureCoordinates"};
+  return std::find(kOfFaces.begin(), kOfFaces.end(), name) != kOfFaces.end();
 }
 
 }  // namespace
@@ -103,11 +98,12 @@ std::shared_ptr<const Surface> surface_of_faces(Dataset mesh, const std::string&
                             path, mesh.kind == DatasetKind::kLattice ? "a lattice" : "kernels"));
   }
   KernelModelOptions options;
-  options.array = nth(flags.arrays, n, std::string());
+  const AddedStyle style = added_style(flags, n);
+  options.array = style.array;
   if (options.array.empty() && mesh.kind != DatasetKind::kBoxes)
     mesh.arrays = {nothing_at_nodes(mesh)};
   auto surface = both(make_surface(mesh, options, session.stop()),
-                      make_tubes(mesh, nth(flags.radii, n, 0.0), options, session.stop()));
+                      make_tubes(mesh, style.radius, options, session.stop()));
   if (surface == nullptr || surface->triangles.empty()) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("--add: '{}' has no faces, lines or points", path));
@@ -116,27 +112,69 @@ std::shared_ptr<const Surface> surface_of_faces(Dataset mesh, const std::string&
 }
 
 bool has_more_than_faces(const Dataset& mesh) {
-  // What programs write along with faces, under the names that VTK's readers and writers give it.
-  static constexpr std::array<std::string_view, 7> kOfFaces = {
-      kNothing, "Normals", "TCoords", "RGB", "RGBA", "Texture Coordinates", "TextureCoordinates"};
   return mesh.kind != DatasetKind::kMesh ||
-         std::any_of(mesh.arrays.begin(), mesh.arrays.end(), [](const DataArray& array) {
-           return std::find(kOfFaces.begin(), kOfFaces.end(), array.name) == kOfFaces.end();
+         std::any_of(mesh.arrays.begin(), mesh.arrays.end(),
+                     [](const DataArray& array) { return !is_of_faces(array.name); });
+}
+
+bool has_lines_or_points(const Dataset& mesh) {
+  if (mesh.kind == DatasetKind::kParticles) return true;
+  const auto types = mesh.cells.types.view();
+  return mesh.kind == DatasetKind::kMesh && std::any_of(types.begin(), types.end(), [](CellType t) {
+           return t == CellType::kVertex || t == CellType::kLine || t == CellType::kPolyLine;
          });
+}
+
+std::vector<std::string> arrays_for_colors(const Dataset& mesh) {
+  std::vector<std::string> names;
+  for (const DataArray& array : mesh.arrays) {
+    const bool is_new = std::find(names.begin(), names.end(), array.name) == names.end();
+    if (is_new && !array.name.empty() && !is_of_faces(array.name)) names.push_back(array.name);
+  }
+  return names;
+}
+
+AddedStyle added_style(const GeometryFlags& flags, std::size_t n) {
+  AddedStyle style;
+  style.color = nth(flags.colors, n, usual_surface_color(n));
+  style.opacity = nth(flags.opacities, n, 1.0);
+  style.array = nth(flags.arrays, n, std::string());
+  style.color_map = nth(flags.color_maps, n, std::string(kUsualAddedMap));
+  if (!flags.ranges.empty()) style.range = nth(flags.ranges, n, {});
+  style.radius = nth(flags.radii, n, 0.0);
+  return style;
+}
+
+std::pair<double, double> range_of_values(const Surface& surface) {
+  double lo = std::numeric_limits<double>::max(), hi = std::numeric_limits<double>::lowest();
+  for (const Surface::Triangle& triangle : surface.triangles) {
+    for (const float value : triangle.values) {
+      if (!std::isfinite(value)) continue;
+      lo = std::min<double>(lo, value);
+      hi = std::max<double>(hi, value);
+    }
+  }
+  return lo <= hi ? std::pair(lo, hi) : std::pair(0.0, 1.0);
+}
+
+TransferFunction colors_of_values(const std::string& map, const std::pair<double, double>& range) {
+  TransferFunction colors = color_map(map);
+  colors.map_range(range.first, range.first < range.second ? range.second : range.first + 1);
+  return colors;
 }
 
 Rgb usual_surface_color(std::size_t n) { return kGeometryColors[n % std::size(kGeometryColors)]; }
 
 Geometry styled_surface(const GeometryFlags& flags, std::size_t n,
                         std::shared_ptr<const Surface> surface) {
+  const AddedStyle style = added_style(flags, n);
   Geometry geometry;
-  geometry.color = nth(flags.colors, n, usual_surface_color(n));
-  geometry.opacity = nth(flags.opacities, n, 1.0);
+  geometry.color = style.color;
+  geometry.opacity = style.opacity;
   geometry.shows_edges = flags.shows_edges;
-  if (surface != nullptr && !nth(flags.arrays, n, std::string()).empty()) {
-    const auto [lo, hi] = nth(flags.ranges, n, range_of_values(*surface));
-    geometry.colors = color_map(nth(flags.color_maps, n, std::string("viridis")));
-    geometry.colors->map_range(lo, lo < hi ? hi : lo + 1);
+  if (surface != nullptr && !style.array.empty()) {
+    const auto range = style.range ? *style.range : range_of_values(*surface);
+    geometry.colors = colors_of_values(style.color_map, range);
   }
   geometry.surface = std::move(surface);
   return geometry;

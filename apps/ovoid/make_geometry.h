@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,9 +29,28 @@ std::shared_ptr<const Surface> surface_of_faces(Dataset mesh, const std::string&
                                                 const Session& session);
 // Whether there is something to be drawn but the faces: values of their own, or volume.
 bool has_more_than_faces(const Dataset& mesh);
+// Whether there is something that has a radius.
+bool has_lines_or_points(const Dataset& mesh);
+// The arrays whose values may colour what is added, by name.
+std::vector<std::string> arrays_for_colors(const Dataset& mesh);
 
 // The colour of the n-th surface where nobody named one: bone, steel, copper and moss, in turn.
 Rgb usual_surface_color(std::size_t n);
+// How the n-th is drawn, as the flags have it.
+struct AddedStyle {
+  Rgb color;
+  double opacity = 1;
+  std::string array;  // gives colours; empty: none
+  std::string color_map;
+  std::optional<std::pair<double, double>> range;  // that the map spans; none: all values
+  double radius = 0;                               // 0: the usual one
+};
+AddedStyle added_style(const GeometryFlags& flags, std::size_t n);
+inline constexpr const char* kUsualAddedMap = "viridis";
+// The least and the greatest value; 0 and 1 where there are none.
+std::pair<double, double> range_of_values(const Surface& surface);
+// The map over the range, or from its one value to one more.
+TransferFunction colors_of_values(const std::string& map, const std::pair<double, double>& range);
 // The n-th surface as the flags have it.
 Geometry styled_surface(const GeometryFlags& flags, std::size_t n,
                         std::shared_ptr<const Surface> surface);

@@ -166,6 +166,7 @@ void App::frame(const std::vector<Event>& events, double seconds) {
       !document_.time.is_playing)
     document_.time.now = document_.shown->time;
   ask_for_solid();
+  ask_for_surfaces();
   ask_for_picture(is_moving_);
   if (is_visible)
     gui_.end();
@@ -246,6 +247,7 @@ void App::take_pictures() {
   std::optional<Pictures> pictures = worker_->take();
   if (!pictures) return;
   frames_due_ = std::max(frames_due_, 1);
+  if (pictures->number >= time_version_) waits_for_time_ = false;
   if (!pictures->error.empty()) {
     tell(pictures->error, true);
     failed_version_ = pictures->number;
@@ -259,7 +261,6 @@ void App::take_pictures() {
   const std::string& notice = status_.profile.notice;
   if (!notice.empty() && notice != told_notice_) tell(told_notice_ = notice);
   meter_.picture_shown(pictures->number, is_moving_, pictures->is_final, pictures->ms);
-  if (pictures->number >= time_version_) waits_for_time_ = false;
   for (const double ms : worker_->take_cancel_times()) meter_.cancelled(ms);
   picture_view_.take(std::move(*pictures));
   if (picture_wish_ && picture_view_.full(document_) != nullptr) {

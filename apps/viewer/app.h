@@ -87,6 +87,7 @@ class App final : public ScriptHost {
   void read_beside(BesideTask task);
   void renew_beside(const std::vector<std::string>& files);
   void take_beside(const BesideRead& read);
+  void ask_for_surfaces();
   std::vector<std::string> files_beside() const;
   void read_look_file(const std::string& path);
   void read_state_file(const std::string& path);
@@ -149,6 +150,7 @@ class App final : public ScriptHost {
   bool asked_moving_ = false;
   Size asked_size_;
   std::shared_ptr<const Shown> asked_shown_;
+  bool awaits_surfaces_ = false;            // made otherwise: they were asked for
   std::optional<SolidChoice> asked_solid_;  // on its way, or there as it is while it moves
   int frames_due_ = 3;                      // to be drawn before the window may rest
   double changed_at_ = 0;                   // seconds; when the version counted up last

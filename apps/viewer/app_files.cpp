@@ -70,6 +70,7 @@ void App::take_load_reports() {
       const bool is_other = !opened->is_reload;
       document_.take(*opened);
       asked_solid_.reset();
+      awaits_surfaces_ = false;
       fitter_->cancel();  // of what was there before
       if (is_other) {
         picture_view_.forget();
@@ -97,10 +98,14 @@ void App::take_load_reports() {
     if (auto* extras = std::get_if<std::shared_ptr<const Extras>>(&report)) {
       if ((*extras)->of == document_.shown) document_.extras = std::move(*extras);
     }
+    if (auto* counted = std::get_if<Counted2D>(&report)) {
+      if (!counted->error.empty()) tell(counted->error, true);
+      if (counted->of == document_.shown) document_.counted_2d = std::move(*counted);
+    }
     if (const auto* read = std::get_if<BesideRead>(&report)) take_beside(*read);
     if (auto* failed = std::get_if<LoadFailed>(&report)) {
       progress_.reset();
-      waits_for_time_ = false;
+      waits_for_time_ = awaits_surfaces_ = false;
       document_.time.is_playing = false;
       if (failed->was_opening) load_error_ = failed->message;
       if (failed->was_solid) {
@@ -244,6 +249,7 @@ void App::grant(Wishes wishes) {
       save_state(wishes.write_state);
       tell("state written to " + wishes.write_state);
     }
+    if (wishes.counts_2d && !document_.time.is_playing) loader_->count_2d(document_.shown);
     grant_fit(wishes);
     grant_solid(wishes);
     if (wishes.copies_command && document_.is_open()) {

@@ -24,10 +24,12 @@ bool App::take_drop_beside(const std::vector<std::string>& paths) {
 }
 
 void App::read_beside(BesideTask task) {
-  if (task.paths.empty() && task.renewed.empty()) return;
+  if (task.paths.empty() && task.renewed.empty() && task.made.empty()) return;
   if (!document_.is_open()) return tell("what is to stand beside the data needs data first", true);
   panel_state_.beside_error.clear();
-  const std::string& path = task.paths.empty() ? task.renewed[0].file : task.paths[0];
+  const std::string& path = !task.paths.empty()  ? task.paths[0]
+                            : !task.made.empty() ? task.made[0].file
+                                                 : task.renewed[0].file;
   const std::string first = std::filesystem::path(path).filename().string();
   progress_ = LoadProgress{"reading " + first};
   task.num_volumes = document_.view.volumes.size();
@@ -39,13 +41,9 @@ void App::renew_beside(const std::vector<std::string>& files) {
   BesideTask surfaces{{}, BesideUse::kRenew};
   BesideTask labels{{}, BesideUse::kRenew, BesideKind::kLabels};
   const std::optional<LabelsBeside>& shown = document_.view.labels;
-  const auto is_surface = [&](const std::string& file) {
-    const std::vector<AddedSurface>& added = document_.view.added;
-    return std::any_of(added.begin(), added.end(),
-                       [&](const AddedSurface& surface) { return surface.file == file; });
-  };
   for (const std::string& file : files) {
-    if (is_surface(file)) surfaces.paths.push_back(file);
+    for (SurfaceSource& source : document_.surfaces_of(file))
+      surfaces.made.push_back(std::move(source));
     if (shown && shown->file == file) labels.paths.push_back(file);
     for (const AddedVolume& added : document_.view.volumes)
       if (added.of->source.file == file) surfaces.renewed.push_back(added.of->source);
@@ -60,7 +58,7 @@ std::vector<std::string> App::files_beside() const {
   const auto add = [&](const std::string& file) {
     if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
   };
-  for (const AddedSurface& added : document_.view.added) add(added.file);
+  for (const AddedSurface& added : document_.view.added) add(added.source.file);
   if (document_.view.labels) add(document_.view.labels->file);
   for (const AddedVolume& added : document_.view.volumes) add(added.of->source.file);
   return files;
@@ -68,13 +66,15 @@ std::vector<std::string> App::files_beside() const {
 
 void App::take_beside(const BesideRead& read) {
   progress_.reset();
-  for (const auto& [path, surface] : read.files) {
+  for (const auto& surface : read.surfaces) {
     if (read.use == BesideUse::kRenew) {
-      document_.renew_surface(path, surface);
+      document_.renew_surface(surface);
     } else {
-      document_.add_surface(path, surface);
+      document_.add_surface(surface);
     }
   }
+  for (const SurfaceSource& source : read.failed) document_.give_up_surface(source);
+  if (read.use == BesideUse::kRenew) awaits_surfaces_ = false;
   for (const LabelsBeside& labels : read.labels) {
     if (read.use == BesideUse::kRenew) {
       document_.renew_labels(labels);
@@ -91,7 +91,7 @@ void App::take_beside(const BesideRead& read) {
     }
   }
   std::vector<std::string> errors = read.errors;
-  const bool is_nothing_else = read.files.empty() && read.labels.empty() && read.volumes.empty();
+  const bool is_nothing_else = read.surfaces.empty() && read.labels.empty() && read.volumes.empty();
   if (!read.data.empty()) {
     if (is_nothing_else && errors.empty()) return open(read.data);
     errors.push_back(fmt::format("{}: not only surfaces: drop them by themselves to open them",
@@ -100,6 +100,17 @@ void App::take_beside(const BesideRead& read) {
   for (const std::string& error : errors) tell(error, true);
   if (!errors.empty()) panel_state_.beside_error = fmt::format("{}", fmt::join(errors, "\n"));
   watch_files();
+}
+
+// One at a time: of what a slider does meanwhile, only the last is made.
+void App::ask_for_surfaces() {
+  if (!document_.is_open() || awaits_surfaces_) return;
+  std::vector<SurfaceSource> sources = document_.surfaces_to_make();
+  if (sources.empty()) return;
+  BesideTask task{{}, BesideUse::kRenew};
+  task.made = std::move(sources);
+  awaits_surfaces_ = true;
+  loader_->read_beside(std::move(task));
 }
 
 nlohmann::ordered_json App::facts_of_labels() const {
@@ -162,11 +173,17 @@ nlohmann::ordered_json App::facts_of_scene() const {
                                  {"labels", facts_of_labels()},
                                  {"several", facts_of_several()}};
   for (const AddedSurface& added : view.added) {
-    json["surface"].push_back({{"file", added.file},
+    const auto range = added.range.value_or(added.of->values);
+    json["surface"].push_back({{"file", added.source.file},
                                {"color", list(added.color)},
                                {"opacity", added.opacity},
                                {"is_hidden", added.is_hidden},
-                               {"triangles", added.surface->triangles.size()}});
+                               {"triangles", added.of->surface->triangles.size()},
+                               {"array", added.source.array},
+                               {"radius", added.source.radius},
+                               {"map", added.color_map},
+                               {"has_range", added.range.has_value()},
+                               {"range", {range.first, range.second}}});
   }
   for (const cli::SlicePlane& slice : view.slices.slices) {
     json["slice"].push_back(

@@ -45,6 +45,20 @@ nlohmann::ordered_json to_json(const std::vector<OpacityPoint>& points) {
   return list;
 }
 
+nlohmann::ordered_json to_json(const TransferFunction2D& function) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const LookRegion& region : function.regions()) {
+    list.push_back({{"shape", region.shape == LookRegion::Shape::kBox ? "box" : "gaussian"},
+                    {"values", region.values},
+                    {"gradients", region.gradients},
+                    {"rgb", region.rgb},
+                    {"opacity", region.opacity},
+                    {"softness", region.softness},
+                    {"foot", region.foot}});
+  }
+  return list;
+}
+
 nlohmann::ordered_json to_json(const View& view) {
   const TransferFunction& tf = view.look.transfer_function;
   nlohmann::ordered_json json = {{"points", tf.opacities.size()},
@@ -61,6 +75,10 @@ nlohmann::ordered_json to_json(const View& view) {
                                  {"clips", view.clip_planes.size()},
                                  {"has_crop", view.crop.has_value()},
                                  {"has_plane", view.plane.has_value()}};
+  const auto& function = view.look.transfer_function_2d;
+  json["is_2d"] = function.has_value();
+  json["regions"] = function ? function->regions().size() : 0;
+  if (function) json["region"] = to_json(*function);
   for (const Isosurface& surface : view.look.isosurfaces) {
     json["isosurface"].push_back({{"value", surface.value},
                                   {"opacity", surface.opacity},
@@ -91,6 +109,7 @@ bool App::has_come_to(const std::string& state) const {
   if (!document_.is_open() || is_moving_ || waits_for_time_ || progress_) return false;
   // A solid that cannot be made is not waited for.
   if (!document_.shown->is_of(document_.view.solid) && loader_->is_busy()) return false;
+  if (!document_.surfaces_to_make().empty() && loader_->is_busy()) return false;
   const bool is_full =
       picture_view_.full(document_) != nullptr || failed_version_ == document_.version();
   if (state == "full") return is_full;
@@ -143,6 +162,8 @@ nlohmann::ordered_json App::facts() const {
   if (document_.view.solid) json["solid"] = facts_of_solid();
   json["backend"] = status_.profile.backend;
   json["has_extras"] = document_.extras != nullptr;
+  json["has_counted_2d"] = document_.counted_2d && document_.counted_2d->histogram;
+  json["selected_region"] = panel_state_.regions.editing.selected;
   if (const auto& picked = picture_view_.picked()) {
     json["picked"] = {{"position", to_json(picked->position)},
                       {"value", picked->value},

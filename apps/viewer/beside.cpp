@@ -99,11 +99,11 @@ void read_one(const std::string& path, const BesideTask& task, const Beside& bes
     read.labels.push_back(labels_beside(path, beside.opened, session));
     return;
   }
-  SurfaceFiles::Found found = surfaces.find(path, session);
+  SurfaceFiles::Found found = surfaces.find({path}, session);
   if (found.lattice != nullptr) {
     take_lattice(path, *found.lattice, task, beside, read, session);
   } else if (read.use != BesideUse::kDrop || found.is_alone) {
-    read.files.push_back({path, std::move(found.surface)});
+    read.surfaces.push_back(std::move(found.read));
   } else {
     read.data.push_back(path);
   }
@@ -187,6 +187,11 @@ BesideRead read_beside(const BesideTask& task, const Dataset& data, const cli::D
   };
   for (const std::string& path : task.paths)
     take(path, [&] { read_one(path, task, beside, surfaces, read, session); });
+  for (const SurfaceSource& source : task.made) {
+    const std::size_t errors = read.errors.size();
+    take(source.file, [&] { read.surfaces.push_back(surfaces.read(source, session)); });
+    if (read.errors.size() > errors) read.failed.push_back(source);
+  }
   for (std::size_t i = 0; i < task.renewed.size(); ++i) {
     const VolumeSource& source = task.renewed[i];
     take(source.file, [&] { read.volumes.push_back(read_volume(source, i, beside, session)); });

@@ -34,6 +34,7 @@ struct BesideTask {
   BesideKind kind = BesideKind::kAny;
   std::size_t num_volumes = 0;          // that are beside the data so far
   std::vector<VolumeSource> renewed{};  // volumes, which are read again
+  std::vector<SurfaceSource> made{};    // surfaces, which are read again, or made otherwise
 };
 
 // A label map's file, and how it is drawn where nothing is said of single labels.
@@ -50,12 +51,9 @@ struct VolumeBeside {
 };
 
 struct BesideRead {
-  struct File {
-    std::string path;
-    std::shared_ptr<const Surface> surface;
-  };
   BesideUse use = BesideUse::kAdd;
-  std::vector<File> files;
+  std::vector<std::shared_ptr<const ReadSurface>> surfaces;
+  std::vector<SurfaceSource> failed;  // of those that were to be made
   std::vector<LabelsBeside> labels;
   std::vector<std::shared_ptr<const VolumeBeside>> volumes;
   std::vector<std::string> data;    // of kDrop: are to be opened instead

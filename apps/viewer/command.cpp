@@ -139,22 +139,41 @@ cli::OverFlags over_of(const Document& document) {
   return flags;
 }
 
+// As flags have it, which is how the map is spread over it.
+std::pair<double, double> as_range(const std::pair<double, double>& values) {
+  return {values.first, values.first < values.second ? values.second : values.first + 1};
+}
+
 cli::GeometryFlags geometry_of(const Document& document, FlagsFor use) {
   const View& view = document.view;
   if (!document.shows_scenery(view)) return {};
   cli::GeometryFlags flags;
   bool has_own_colors = false;
   bool is_see_through = false;
+  bool has_arrays = false, has_maps = false, has_ranges = false, has_radii = false;
   for (const AddedSurface& added : view.added) {
     if (added.is_hidden && use == FlagsFor::kCommand) continue;
     has_own_colors |= added.color != cli::usual_surface_color(flags.files.size());
     is_see_through |= added.is_hidden || added.opacity != 1;
-    flags.files.push_back(added.file);
+    const SurfaceSource& source = added.source;
+    has_arrays |= !source.array.empty();
+    has_maps |= !source.array.empty() && added.color_map != cli::kUsualAddedMap;
+    has_ranges |= !source.array.empty() && added.range.has_value();
+    has_radii |= source.radius > 0;
+    flags.files.push_back(source.file);
+    flags.arrays.push_back(source.array);
+    flags.color_maps.push_back(added.color_map);
+    flags.ranges.push_back(added.range.value_or(as_range(added.of->values)));
+    flags.radii.push_back(source.radius);
     flags.colors.push_back(added.color);
     flags.opacities.push_back(added.is_hidden ? 0 : added.opacity);
   }
   if (!has_own_colors) flags.colors.clear();
   if (!is_see_through) flags.opacities.clear();
+  if (!has_arrays) flags.arrays.clear();
+  if (!has_maps) flags.color_maps.clear();
+  if (!has_ranges) flags.ranges.clear();
+  if (!has_radii) flags.radii.clear();
   flags.shows_edges = view.added_edges && !flags.files.empty();
   const cli::GeometryFlags slices = view.slices.slices.empty() ? cli::GeometryFlags() : view.slices;
   flags.slices = slices.slices;

@@ -42,6 +42,7 @@ void Document::take(const Opened& opened) {
   opened_labels_ = opened.labels;
   opened_volumes_ = opened.volumes;
   extras.reset();
+  counted_2d.reset();
   fit.reset();
   control_files.clear();
   time.is_playing = false;
@@ -69,6 +70,7 @@ void Document::take(const ShownReady& ready, double aspect) {
   const bool is_first = std::exchange(awaits_first_, false);
   shown = ready.shown;
   if (extras && extras->of != shown) extras.reset();
+  if (counted_2d && !(choice_of(*counted_2d->of) == choice_of(*shown))) counted_2d.reset();
   if (is_first) time.now = shown->time;
   if (is_first && is_reload_) forget_solids();
   if (ready.kernel || ready.look) label_kernel = ready.kernel;
@@ -90,10 +92,11 @@ void Document::take(const ShownReady& ready, double aspect) {
     view.draws_points = points.has_value();
     if (points) view.points = *points;
     for (std::size_t i = 0; i < opened_surfaces_.size(); ++i) {
-      const Geometry made = cli::styled_surface(flags.geometry, i, opened_surfaces_[i]);
-      const bool is_hidden = made.opacity == 0;
-      view.added.push_back({flags.geometry.files[i], made.surface, made.color,
-                            is_hidden ? 1 : made.opacity, is_hidden});
+      const cli::AddedStyle style = cli::added_style(flags.geometry, i);
+      const bool is_hidden = style.opacity == 0;
+      view.added.push_back({opened_surfaces_[i]->source, opened_surfaces_[i], style.color,
+                            is_hidden ? 1 : style.opacity, is_hidden, style.color_map,
+                            style.range});
     }
     opened_surfaces_.clear();
     view.labels = std::exchange(opened_labels_, std::nullopt);
@@ -207,19 +210,69 @@ void Document::renew_labels(const LabelsBeside& labels) {
   count_up();
 }
 
-void Document::add_surface(const std::string& file, std::shared_ptr<const Surface> surface) {
-  view.added.push_back({file, std::move(surface), cli::usual_surface_color(view.added.size())});
+Geometry AddedSurface::geometry(bool shows_edges) const {
+  Geometry made{of->surface, color, opacity, shows_edges};
+  if (!source.array.empty() && of->source.array == source.array)
+    made.colors = cli::colors_of_values(color_map, range.value_or(of->values));
+  return made;
+}
+
+void Document::add_surface(std::shared_ptr<const ReadSurface> surface) {
+  const SurfaceSource source = surface->source;
+  view.added.push_back({source, std::move(surface), cli::usual_surface_color(view.added.size())});
   touch();
 }
 
-void Document::renew_surface(const std::string& file,
-                             const std::shared_ptr<const Surface>& surface) {
-  change_views([&](View& of) {
+void Document::renew_surface(const std::shared_ptr<const ReadSurface>& surface) {
+  const auto put = [&](View& of, bool also_others) {
     for (AddedSurface& added : of.added) {
-      if (added.file == file) added.surface = surface;
+      const bool is_wanted = added.source == surface->source;
+      if (is_wanted || (also_others && added.source.file == surface->source.file))
+        added.of = surface;
     }
-  });
+  };
+  for (std::vector<View>* views : {&past_, &future_})
+    for (View& of : *views) put(of, true);
+  put(settled_, true);
+  put(view, false);
+  if (other) put(other->view, false);
   count_up();
+}
+
+std::vector<SurfaceSource> Document::surfaces_to_make() const {
+  std::vector<SurfaceSource> sources;
+  const auto look_at = [&](const View& of) {
+    for (const AddedSurface& added : of.added) {
+      if (!added.is_made()) sources.push_back(added.source);
+    }
+  };
+  look_at(view);
+  if (other) look_at(other->view);
+  return sources;
+}
+
+void Document::give_up_surface(const SurfaceSource& source) {
+  const auto give_up = [&](View& of) {
+    for (AddedSurface& added : of.added) {
+      if (added.source == source) added.source = added.of->source;
+    }
+  };
+  give_up(view);
+  if (other) give_up(other->view);
+  count_up();
+}
+
+std::vector<SurfaceSource> Document::surfaces_of(const std::string& file) const {
+  std::vector<SurfaceSource> sources;
+  const auto look_at = [&](const View& of) {
+    for (const AddedSurface& added : of.added) {
+      const bool is_new = std::find(sources.begin(), sources.end(), added.source) == sources.end();
+      if (added.source.file == file && is_new) sources.push_back(added.source);
+    }
+  };
+  look_at(view);
+  if (other) look_at(other->view);
+  return sources;
 }
 
 cli::CameraSubject Document::camera_subject(const Scene& drawn, double aspect) const {
@@ -273,8 +326,7 @@ std::shared_ptr<Scene> Document::scene(const View& of, const RendererSetup& on, 
   if (made->has_scenery) {
     made->labels = labels_of(of);
     for (const AddedSurface& added : of.added) {
-      if (!added.is_hidden)
-        made->added.push_back({added.surface, added.color, added.opacity, of.added_edges});
+      if (!added.is_hidden) made->added.push_back(added.geometry(of.added_edges));
     }
     made->slices = of.slices;
   }

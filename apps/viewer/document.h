@@ -15,6 +15,7 @@
 #include "label_edits.h"
 #include "loader.h"
 #include "make_camera.h"
+#include "make_geometry.h"
 #include "size.h"
 #include "worker.h"
 
@@ -22,11 +23,17 @@ namespace ovoid::viewer {
 
 // A surface beside the data.
 struct AddedSurface {
-  std::string file;
-  std::shared_ptr<const Surface> surface;
+  SurfaceSource source;                   // as it is wanted
+  std::shared_ptr<const ReadSurface> of;  // of this file; of another array or radius until it is
+                                          // made of the wanted one
   Rgb color{0.9, 0.9, 0.9};
   double opacity = 1;
   bool is_hidden = false;
+  std::string color_map = cli::kUsualAddedMap;       // where an array gives colours
+  std::optional<std::pair<double, double>> range{};  // that the map spans; none: all values
+
+  bool is_made() const { return of->source == source; }
+  Geometry geometry(bool shows_edges) const;
 };
 
 // A volume that is drawn with the data. The light is the view's.
@@ -104,6 +111,7 @@ class Document {
   std::shared_ptr<const DataInfo> info;  // null: nothing is open
   std::shared_ptr<const Shown> shown;
   std::shared_ptr<const Extras> extras;
+  std::optional<Counted2D> counted_2d;        // of the array that is shown, maybe at another time
   std::vector<std::string> notes;             // what reading and modelling had to say
   std::vector<ControlFile> control_files;     // the one that was opened, and what was saved
   std::optional<LatticeKernel> label_kernel;  // narrow, where the data look like labels
@@ -158,9 +166,16 @@ class Document {
   // The one that was read again in the place of the one before, wherever that is.
   void renew_labels(const LabelsBeside& labels);
   // The surface of a file into the view, in the next usual colour.
-  void add_surface(const std::string& file, std::shared_ptr<const Surface> surface);
-  // The surface of a file that was read again in the place of the one before, wherever that is.
-  void renew_surface(const std::string& file, const std::shared_ptr<const Surface>& surface);
+  void add_surface(std::shared_ptr<const ReadSurface> surface);
+  // One that was read again, or made otherwise, in the place of those before, wherever it is
+  // wanted. Undo keeps no other one of the file, which may be large: it has them made again.
+  void renew_surface(const std::shared_ptr<const ReadSurface>& surface);
+  // Those that are wanted otherwise than they are.
+  std::vector<SurfaceSource> surfaces_to_make() const;
+  // It cannot be made: what is there is what is wanted.
+  void give_up_surface(const SurfaceSource& source);
+  // Of a file, those that are shown, here or in what is compared with.
+  std::vector<SurfaceSource> surfaces_of(const std::string& file) const;
   // Whether a view's mode, and what else it shows, leave room for several volumes; whether these
   // are channels of the file, or volumes beside it.
   bool may_show_several(const View& of) const;
@@ -244,8 +259,8 @@ class Document {
 
   std::vector<View> past_, future_;
   View settled_;  // the view when remember() was called last
-  std::vector<std::shared_ptr<const Surface>> opened_surfaces_;  // for the first view
-  std::optional<LabelsBeside> opened_labels_;                    // likewise
+  std::vector<std::shared_ptr<const ReadSurface>> opened_surfaces_;  // for the first view
+  std::optional<LabelsBeside> opened_labels_;                        // likewise
   std::vector<std::shared_ptr<const VolumeBeside>> opened_volumes_;
   bool is_edited_ = false;
   bool awaits_first_ = false;

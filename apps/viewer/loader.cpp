@@ -17,6 +17,7 @@
 #include "apply_crop.h"
 #include "label_edits.h"
 #include "make_camera.h"
+#include "make_geometry.h"
 #include "make_look.h"
 #include "make_trail.h"
 #include "ovoid/coarse.h"
@@ -147,6 +148,8 @@ struct Loader::Impl {
   std::optional<TimeTask> next_time;
   std::optional<SolidChoice> next_solid;
   bool wants_extras = false;
+  std::shared_ptr<const Shown> next_2d;
+  std::shared_ptr<const Shown> asked_2d;  // that was asked for last, and not given up since
   bool is_over = false;
   bool is_working = false;
   std::stop_source stop;        // of what is done now
@@ -191,8 +194,9 @@ struct Loader::Impl {
   void show_solid(const SolidChoice& task, const std::stop_token& token);
   void read_beside(const BesideTask& task, const std::stop_token& token);
   void work_out_extras(const std::stop_token& token);
+  void count_2d(const std::shared_ptr<const Shown>& shown, const std::stop_token& token);
   bool has_work() const {
-    return next_open || next_choice || !next_beside.empty() || next_time || next_solid ||
+    return next_open || next_choice || !next_beside.empty() || next_time || next_solid || next_2d ||
            wants_extras;
   }
 };
@@ -284,18 +288,16 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
   options.progress = [&](double fraction) { report(LoadProgress{what, fraction}); };
   read_dataset_of(next, own, options);
   const auto info = info_of(*next.dataset, flags);
-  std::vector<std::shared_ptr<const Surface>> surfaces;
+  std::vector<std::shared_ptr<const ReadSurface>> surfaces;
   std::optional<LabelsBeside> labels;
   std::vector<std::shared_ptr<const VolumeBeside>> volumes;
   if (!task.is_reload) {
     volumes = volumes_beside(*next.dataset, next.drawing, own);
     const cli::GeometryFlags& added = next.drawing.geometry;
-    if (!added.arrays.empty() || !added.radii.empty()) {
-      own.note(
-          "the window draws what is added in one colour, lines of the usual radius: --add-array, "
-          "--add-radius and the like are for render and animate");
+    for (std::size_t i = 0; i < added.files.size(); ++i) {
+      const cli::AddedStyle style = cli::added_style(added, i);
+      surfaces.push_back(surface_files.read({added.files[i], style.array, style.radius}, own));
     }
-    for (const std::string& file : added.files) surfaces.push_back(surface_files.read(file, own));
     if (!next.drawing.labels.file.empty())
       labels = labels_beside(next.drawing.labels.file, next.drawing, own);
   }
@@ -447,6 +449,25 @@ void Loader::Impl::work_out_extras(const std::stop_token& token) {
   extras_of = data->shown;
 }
 
+// What it cannot be counted of keeps nothing else from being shown.
+void Loader::Impl::count_2d(const std::shared_ptr<const Shown>& shown,
+                            const std::stop_token& token) {
+  Counted2D counted;
+  counted.of = shown;
+  try {
+    counted.histogram =
+        std::make_shared<const cli::Histogram2D>(cli::histogram_2d_of(shown->field(), token));
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kCancelled) {
+      const std::lock_guard lock(mutex);
+      if (asked_2d == shown) asked_2d.reset();  // it may be asked for again
+      return;
+    }
+    counted.error = cli::one_line(error.what());
+  }
+  report(std::move(counted));
+}
+
 void Loader::Impl::run() {
   lower_priority();
   std::unique_lock lock(mutex);
@@ -468,7 +489,9 @@ void Loader::Impl::run() {
     const auto gone = is_first_served ? std::nullopt : std::exchange(next_time, std::nullopt);
     const auto solid =
         is_first_served || gone ? std::nullopt : std::exchange(next_solid, std::nullopt);
-    if (!is_first_served && !gone && !solid) wants_extras = false;
+    const bool is_served = is_first_served || gone || solid;
+    const auto counted = is_served ? nullptr : std::exchange(next_2d, nullptr);
+    if (!is_served && !counted) wants_extras = false;
     stop = {};
     stop_extra = {};
     const std::stop_token token = stop.get_token();
@@ -486,6 +509,8 @@ void Loader::Impl::run() {
         go_to(*gone, token);
       } else if (solid) {
         show_solid(*solid, token);
+      } else if (counted) {
+        count_2d(counted, extra_token);
       } else {
         work_out_extras(extra_token);
       }
@@ -526,6 +551,8 @@ void Loader::open(std::shared_ptr<const Launch> launch, bool is_reload) {
   impl_->next_time.reset();
   impl_->next_solid.reset();
   impl_->wants_extras = false;
+  impl_->next_2d.reset();
+  impl_->asked_2d.reset();
   impl_->stop.request_stop();
   impl_->stop_extra.request_stop();
   impl_->wanted.notify_all();
@@ -550,6 +577,13 @@ void Loader::show_solid(const SolidChoice& choice) {
   const std::lock_guard lock(impl_->mutex);
   impl_->next_solid = choice;
   impl_->stop_extra.request_stop();
+  impl_->wanted.notify_all();
+}
+
+void Loader::count_2d(std::shared_ptr<const Shown> shown) {
+  const std::lock_guard lock(impl_->mutex);
+  if (impl_->asked_2d == shown) return;
+  impl_->asked_2d = impl_->next_2d = std::move(shown);
   impl_->wanted.notify_all();
 }
 

@@ -12,6 +12,7 @@
 #include "beside.h"
 #include "data_info.h"
 #include "histogram.h"
+#include "histogram_2d.h"
 #include "launch.h"
 #include "make_channels.h"
 #include "make_look.h"
@@ -68,6 +69,13 @@ struct Extras {
   std::shared_ptr<const FieldProbe> probe;  // values at places
 };
 
+// How often values and gradients go together, which is counted when it is asked for.
+struct Counted2D {
+  std::shared_ptr<const Shown> of;
+  std::shared_ptr<const cli::Histogram2D> histogram;  // null: it could not be counted
+  std::string error;                                  // why
+};
+
 // Of `dataset`, drawn as `drawing` says, which gets what labels need; without what is the view's.
 // Throws Error.
 std::shared_ptr<Shown> make_shown(std::shared_ptr<const Dataset> dataset, const cli::Flags& flags,
@@ -88,7 +96,7 @@ struct Opened {  // files were read; `shown` follows
   std::shared_ptr<const Launch> launch;
   bool is_reload = false;
   // Not of a reload.
-  std::vector<std::shared_ptr<const Surface>> surfaces;      // of --add, one by one
+  std::vector<std::shared_ptr<const ReadSurface>> surfaces;  // of --add, one by one
   std::optional<LabelsBeside> labels;                        // of --labels
   std::vector<std::shared_ptr<const VolumeBeside>> volumes;  // of --over
 };
@@ -107,7 +115,7 @@ struct LoadFailed {
   bool was_opening = false, was_solid = false;
 };
 using LoadReport = std::variant<LoadProgress, Opened, ShownReady, std::shared_ptr<const Extras>,
-                                Noted, BesideRead, LoadFailed>;
+                                Counted2D, Noted, BesideRead, LoadFailed>;
 
 struct ArrayChoice {
   std::string array;
@@ -151,6 +159,8 @@ class Loader {
   void show_solid(const SolidChoice& choice);
   // What is to stand beside the data; each task is served.
   void read_beside(BesideTask task);
+  // Counts values and gradients, once, however often it is asked for; before the extras.
+  void count_2d(std::shared_ptr<const Shown> shown);
   void stop();  // asks what is done to end; nothing follows
 
   std::vector<LoadReport> take_reports();

@@ -192,6 +192,7 @@ bool choose_mode(Panel& panel) {
       &mode);
   if (is_changed) {
     const Mode before = std::exchange(look.mode, kModes[static_cast<std::size_t>(mode)]);
+    change_mode_2d(panel, look.mode);
     swap_opacities(panel, is_of_one_sample(before), is_of_one_sample(look.mode));
     const ValueRange range = panel.document.shown->field().value_range();
     if (look.mode == Mode::kIsosurface && !(look.isovalue > range.lo && look.isovalue < range.hi))
@@ -257,6 +258,8 @@ bool color_editor(Panel& panel) {
 
 // How much of the light arrives, whether it lights or dims.
 bool arriving_light_editor(Widgets& widgets, Look& look) {
+  // What they are made from knows no gradients.
+  if (look.transfer_function_2d && look.occlusion == 0 && look.shadows == 0) return false;
   bool is_changed = widgets.slider("look.occlusion", "occlusion", &look.occlusion, 0, 1);
   is_changed |= widgets.slider("look.shadows", "shadows", &look.shadows, 0, 1);
   if (look.shadows > 0)
@@ -339,6 +342,7 @@ bool presets(Panel& panel) {
   if (!panel.widgets.choice("look.preset", "preset", options, &chosen)) return false;
   const Field& field = document.shown->field();
   Look& look = document.view.look;
+  if (look.transfer_function_2d) leave_2d(panel);
   const Look before = look;
   const std::string& unit = document.shown->subject.unit;
   const bool is_cinematic =
@@ -418,16 +422,8 @@ bool curve_editors(Panel& panel) {
     is_changed |= color_editor(panel);
     is_changed |= range_editor(panel, "look", look.transfer_function);
   }
+  if (look.mode == Mode::kComposite) is_changed |= way_to_regions(panel);
   return is_changed;
-}
-
-// What stands in their place: it is not edited here, and can be left.
-bool function_2d_row(Panel& panel) {
-  ImGui::TextWrapped("Colour and opacity go by value and gradient.");
-  const bool is_left = panel.widgets.button("look.leave-2d", "by the value alone");
-  panel.widgets.tip("The function of --tf2d goes; undo brings it back.");
-  if (is_left) panel.document.view.look.transfer_function_2d.reset();
-  return is_left;
 }
 
 }  // namespace
@@ -486,7 +482,7 @@ void look_panel(Panel& panel) {
   if (has_own_looks) {
     ImGui::TextWrapped("Each channel has a colour and a range of its own: tab scene.");
   } else {
-    is_changed |= look.transfer_function_2d ? function_2d_row(panel) : curve_editors(panel);
+    is_changed |= look.transfer_function_2d ? regions_editor(panel) : curve_editors(panel);
   }
   const Field& field = document.shown->field();
   double unit = look.unit_distance;
@@ -502,7 +498,7 @@ void look_panel(Panel& panel) {
   ImGui::Separator();
   is_changed |= light_editor(panel);
   if (!has_own_looks) {
-    is_changed |= gradient_editor(panel);
+    if (!look.transfer_function_2d) is_changed |= gradient_editor(panel);
     ImGui::Separator();
     look_files(panel);
   }

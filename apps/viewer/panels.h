@@ -11,6 +11,7 @@
 #include "curve_editor.h"
 #include "document.h"
 #include "memory.h"
+#include "region_editor.h"
 #include "widgets.h"
 
 namespace ovoid::viewer {
@@ -22,6 +23,7 @@ enum class Browsing { kNothing, kInput, kLook, kState, kBeside };
 struct Wishes {
   std::optional<ArrayChoice> array;
   bool goes_to_time = false;  // the document's time has changed
+  bool counts_2d = false;     // values and gradients of what is shown
   std::optional<Theme> theme;
   std::optional<std::size_t> open_recent;  // its number in the list
   bool forgets_recent = false;
@@ -55,9 +57,24 @@ struct FitState {
   std::string saved;      // where the last one was
 };
 
+// Of looks by value and gradient.
+struct RegionsState {
+  RegionEditing editing;
+  bool awaits_first = false;  // the first region, until what it is made from is counted
+  // What was left for curves, for the way back.
+  std::optional<TransferFunction2D> left;
+  std::string left_array;
+  int left_component = 0;
+  bool is_left_by_mode = false;
+  double occlusion = 0, shadows = 0;  // of the curves: beside such a look they must be 0
+
+  bool has_left(const Shown& shown) const;
+};
+
 // What the interface remembers that is no property of the picture.
 struct PanelState {
   CurveEditing opacity, gradient, colors;
+  RegionsState regions;
   bool is_log_count = true;
   bool is_magnified = true;
   std::string look_path = "look.json";
@@ -121,6 +138,17 @@ void solid_panel(Panel& panel);
 
 // NAME-fit.ply, or of a lattice NAME-fit.h5, by the name of the data.
 std::string usual_fit_path(const Document& document);
+
+// Looks by value and gradient. Why what is shown cannot have one; empty: it can.
+std::string why_not_2d(const Document& document);
+// The button that makes one of curves, and the editor that stands in the place of the curves';
+// whether the look changed.
+bool way_to_regions(Panel& panel);
+bool regions_editor(Panel& panel);
+// Takes the function away, and remembers it for the way back.
+void leave_2d(Panel& panel);
+// Other modes know no gradients: curves are drawn in them, and the function comes back after them.
+void change_mode_2d(Panel& panel, Mode mode);
 
 // The span and scale of curves by numbers; colours by a map's name, over the span that they have.
 bool range_editor(Panel& panel, const std::string& name, TransferFunction& tf);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 #include "make_geometry.h"
@@ -16,6 +17,9 @@ namespace {
 void remove_at(auto& list, std::size_t i) {
   list.erase(list.begin() + static_cast<std::ptrdiff_t>(i));
 }
+
+// Of two digits, as a person would type it.
+double short_number(double x) { return std::strtod(fmt::format("{:.2g}", x).c_str(), nullptr); }
 
 void files_editor(Panel& panel) {
   Widgets& widgets = panel.widgets;
@@ -36,6 +40,60 @@ void files_editor(Panel& panel) {
   ImGui::PopStyleColor();
 }
 
+// The values that the map spans.
+bool range_of_surface(Widgets& widgets, const std::string& name, AddedSurface& added) {
+  bool is_usual = !added.range.has_value();
+  bool is_changed = widgets.checkbox(name + ".range.usual", "over all values", &is_usual);
+  if (is_changed) added.range = is_usual ? std::nullopt : std::optional(added.of->values);
+  if (!added.range) return is_changed;
+  auto [lo, hi] = *added.range;
+  const NumberField field{.speed = std::max(hi - lo, 1e-30) / 400};
+  bool is_moved = widgets.number(name + ".range.lo", "values from", &lo, field);
+  is_moved |= widgets.number(name + ".range.hi", "to", &hi, field);
+  if (is_moved && lo < hi) added.range = {lo, hi};
+  return is_changed || is_moved;
+}
+
+// One, or a map's by the values of an array.
+bool colors_of_surface(Widgets& widgets, const std::string& name, AddedSurface& added) {
+  std::string& array = added.source.array;
+  bool is_changed = false;
+  const std::vector<std::string>& arrays = added.of->arrays;
+  if (!arrays.empty()) {
+    std::vector<const char*> options = {"one colour"};
+    for (const std::string& each : arrays) options.push_back(each.c_str());
+    const auto found = std::find(arrays.begin(), arrays.end(), array);
+    int chosen = found == arrays.end() ? 0 : static_cast<int>(found - arrays.begin()) + 1;
+    if (widgets.choice(name + ".array", "coloured by", options, &chosen)) {
+      array = chosen == 0 ? std::string() : arrays[static_cast<std::size_t>(chosen) - 1];
+      added.range.reset();
+      is_changed = true;
+    }
+  }
+  if (array.empty()) return widgets.color(name + ".color", "colour", &added.color) || is_changed;
+  is_changed |= choose_color_map(widgets, name + ".map", "colours", &added.color_map);
+  return range_of_surface(widgets, name, added) || is_changed;
+}
+
+// Of lines and points.
+bool radius_of_surface(Widgets& widgets, const std::string& name, AddedSurface& added) {
+  constexpr double kUsualShare = 1.0 / 300;  // of the diagonal, as `ovoid render` has it
+  double& radius = added.source.radius;
+  const double diagonal = added.of->surface->bounds.diagonal().norm();
+  bool is_usual = radius == 0;
+  bool is_changed = widgets.checkbox(name + ".radius.usual", "of the usual radius", &is_usual);
+  if (is_changed) radius = is_usual ? 0 : short_number(diagonal * kUsualShare);
+  if (is_usual) return is_changed;
+  double edited = radius;
+  if (widgets.number(name + ".radius", "radius", &edited,
+                     {.lo = diagonal * 1e-6, .hi = 1e300, .speed = radius / 50}) &&
+      edited > 0) {
+    radius = edited;
+    is_changed = true;
+  }
+  return is_changed;
+}
+
 bool surfaces_editor(Panel& panel) {
   View& view = panel.document.view;
   Widgets& widgets = panel.widgets;
@@ -44,19 +102,21 @@ bool surfaces_editor(Panel& panel) {
     AddedSurface& added = view.added[i];
     const std::string name = fmt::format("scene.surface.{}", i);
     bool is_shown = !added.is_hidden;
-    const std::string file = std::filesystem::path(added.file).filename().string();
+    const std::string file = std::filesystem::path(added.source.file).filename().string();
     if (widgets.checkbox(name + ".show", file.c_str(), &is_shown)) {
       added.is_hidden = !is_shown;
       is_changed = true;
     }
     widgets.tip(
-        fmt::format("{}\n{} triangles", added.file, added.surface->triangles.size()).c_str());
+        fmt::format("{}\n{} triangles", added.source.file, added.of->surface->triangles.size())
+            .c_str());
     if (widgets.button_at_right(name + ".remove", "remove")) {
       remove_at(view.added, i);
       return true;
     }
     if (added.is_hidden) continue;
-    is_changed |= widgets.color(name + ".color", "colour", &added.color);
+    is_changed |= colors_of_surface(widgets, name, added);
+    if (added.of->has_radius) is_changed |= radius_of_surface(widgets, name, added);
     is_changed |= widgets.slider(name + ".opacity", "opacity", &added.opacity, 0.02, 1);
   }
   if (view.added.empty()) return is_changed;

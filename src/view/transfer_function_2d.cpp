@@ -125,21 +125,6 @@ double opacity_in(const LookRegion& region, double value, double gradient) {
   return region.opacity * across * (is_on_ground ? 1 : rise_from_edge(g, region.softness));
 }
 
-Rgba entry_of(const std::vector<LookRegion>& regions, double value, double gradient) {
-  std::array<double, 3> color{};  // premultiplied
-  double alpha = 0;
-  for (const LookRegion& region : regions) {
-    const double own = opacity_in(region, value, gradient);
-    for (std::size_t c = 0; c < 3; ++c) color[c] = own * region.rgb[c] + (1 - own) * color[c];
-    alpha = own + (1 - own) * alpha;
-  }
-  if (!(alpha > 0)) return {};
-  const auto component = [&](std::size_t c) {
-    return static_cast<float>(std::min(color[c] / alpha, 1.0));
-  };
-  return {component(0), component(1), component(2), static_cast<float>(alpha)};
-}
-
 // `count` entries, of which the outermost lie beyond [lo, hi]; the first not, if it begins at an
 // end of the world.
 Axis axis_around(double lo, double hi, int count, bool begins_at_lo) {
@@ -155,26 +140,91 @@ double place_of_entry(const Axis& axis, int i) {
   return std::lerp(axis.first, axis.last, static_cast<double>(i) / (axis.count - 1));
 }
 
+// The entries from first to last that may lie between two places; none where first > last.
+struct Entries {
+  int first = 0, last = -1;
+};
+
+Entries entries_between(const Axis& axis, double lo, double hi) {
+  const double step = (axis.last - axis.first) / (axis.count - 1);
+  const double most = axis.count - 1;
+  return {static_cast<int>(std::clamp(std::floor((lo - axis.first) / step) - 1, 0.0, most)),
+          static_cast<int>(std::clamp(std::ceil((hi - axis.first) / step) + 1, 0.0, most))};
+}
+
+std::vector<Rgba> entries_of(const std::vector<LookRegion>& regions, const Axis& values,
+                             const Axis& gradients) {
+  struct Sum {
+    std::array<double, 3> color{};  // premultiplied
+    double alpha = 0;
+  };
+  const auto columns = static_cast<std::size_t>(values.count);
+  std::vector<Sum> sums(columns * static_cast<std::size_t>(gradients.count));
+  for (const LookRegion& region : regions) {
+    const Entries across = entries_between(values, region.values[0], region.values[1]);
+    const Entries up = entries_between(gradients, region.gradients[0], region.gradients[1]);
+    for (int j = up.first; j <= up.last; ++j) {
+      const double gradient = place_of_entry(gradients, j);
+      Sum* const row = &sums[static_cast<std::size_t>(j) * columns];
+      for (int i = across.first; i <= across.last; ++i) {
+        const double own = opacity_in(region, place_of_entry(values, i), gradient);
+        if (own == 0) continue;
+        Sum& sum = row[i];
+        for (std::size_t c = 0; c < 3; ++c)
+          sum.color[c] = own * region.rgb[c] + (1 - own) * sum.color[c];
+        sum.alpha = own + (1 - own) * sum.alpha;
+      }
+    }
+  }
+  std::vector<Rgba> entries(sums.size());
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    const Sum& sum = sums[k];
+    if (!(sum.alpha > 0)) continue;
+    for (std::size_t c = 0; c < 3; ++c)
+      entries[k][c] = static_cast<float>(std::min(sum.color[c] / sum.alpha, 1.0));
+    entries[k][3] = static_cast<float>(sum.alpha);
+  }
+  return entries;
+}
+
+// The first and the last entry of a row that show something.
+Entries seen_in_row(const Rgba* row, int count) {
+  Entries seen{count, -1};
+  for (int i = 0; i < count; ++i) {
+    if (!(row[i][3] > 0)) continue;
+    seen.first = std::min(seen.first, i);
+    seen.last = i;
+  }
+  return seen;
+}
+
 // Of entries without opacity: the mean of their neighbours', as far as these show.
 void spread_colors(const Axis& values, const Axis& gradients, std::vector<Rgba>& entries) {
   const std::vector<Rgba> given = entries;
-  const auto index = [&](int i, int j) {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(values.count) +
-           static_cast<std::size_t>(i);
-  };
+  const auto columns = static_cast<std::size_t>(values.count);
+  const auto row_of = [&](int j) { return &given[static_cast<std::size_t>(j) * columns]; };
   for (int j = 0; j < gradients.count; ++j) {
-    for (int i = 0; i < values.count; ++i) {
-      if (given[index(i, j)][3] > 0) continue;
+    const int below = std::max(j - 1, 0);
+    const int above = std::min(j + 1, gradients.count - 1);
+    Entries near{values.count, -1};
+    for (int y = below; y <= above; ++y) {
+      const Entries seen = seen_in_row(row_of(y), values.count);
+      near = {std::min(near.first, seen.first - 1), std::max(near.last, seen.last + 1)};
+    }
+    near = {std::max(near.first, 0), std::min(near.last, values.count - 1)};
+    for (int i = near.first; i <= near.last; ++i) {
+      if (row_of(j)[i][3] > 0) continue;
       std::array<float, 4> sum{};
-      for (int y = std::max(j - 1, 0); y <= std::min(j + 1, gradients.count - 1); ++y) {
+      for (int y = below; y <= above; ++y) {
         for (int x = std::max(i - 1, 0); x <= std::min(i + 1, values.count - 1); ++x) {
-          const Rgba& near = given[index(x, y)];
-          for (std::size_t c = 0; c < 3; ++c) sum[c] += near[3] * near[c];
-          sum[3] += near[3];
+          const Rgba& neighbour = row_of(y)[x];
+          for (std::size_t c = 0; c < 3; ++c) sum[c] += neighbour[3] * neighbour[c];
+          sum[3] += neighbour[3];
         }
       }
       if (!(sum[3] > 0)) continue;
-      for (std::size_t c = 0; c < 3; ++c) entries[index(i, j)][c] = std::min(sum[c] / sum[3], 1.0F);
+      Rgba& entry = entries[static_cast<std::size_t>(j) * columns + static_cast<std::size_t>(i)];
+      for (std::size_t c = 0; c < 3; ++c) entry[c] = std::min(sum[c] / sum[3], 1.0F);
     }
   }
 }
@@ -214,12 +264,7 @@ TransferFunction2D::TransferFunction2D(std::vector<LookRegion> regions) {
   gradients.first = std::max(gradients.first, 0.0);
   require_range("values", values.first, values.last);
   require_range("gradients", gradients.first, gradients.last);
-  std::vector<Rgba> entries;
-  entries.reserve(static_cast<std::size_t>(kRegionValues) * kRegionGradients);
-  for (int j = 0; j < gradients.count; ++j) {
-    for (int i = 0; i < values.count; ++i)
-      entries.push_back(entry_of(regions, place_of_entry(values, i), place_of_entry(gradients, j)));
-  }
+  std::vector<Rgba> entries = entries_of(regions, values, gradients);
   spread_colors(values, gradients, entries);
   content_ = std::make_shared<const Content>(
       Content{values, gradients, std::move(entries), std::move(regions)});

@@ -153,7 +153,7 @@ TEST_F(GeometryFiles, WhatIsNoSurface) {
   refused({"--add", obj_}, 1, {"pyramid.obj"});
   std::ofstream(obj_) << "v 0 0 0\nv 1 0 0\nl 1\n";
   refused({"--add", obj_}, 1, {"pyramid.obj", "a line of 1"});
-  refused({"--add", stl(), "--add-radius", "0"}, 2, {"--add-radius"});
+  refused({"--add", stl(), "--add-radius", "-1"}, 2, {"--add-radius"});
   refused({"--add", stl(), "--add-colormap", "hot"}, 2, {"without --add-array"});
   std::ofstream(obj_) << "v 0 0 0\n";
   refused({"--add", obj_}, 1, {"pyramid.obj"});

@@ -35,13 +35,14 @@ std::string load(Loader& loader, Document& document) {
       if (auto* extras = std::get_if<std::shared_ptr<const Extras>>(&report))
         document.extras = *extras;
       if (auto* read = std::get_if<BesideRead>(&report)) {
-        for (const auto& [path, surface] : read->files) {
+        for (const auto& surface : read->surfaces) {
           if (read->use == BesideUse::kRenew) {
-            document.renew_surface(path, surface);
+            document.renew_surface(surface);
           } else {
-            document.add_surface(path, surface);
+            document.add_surface(surface);
           }
         }
+        for (const SurfaceSource& source : read->failed) document.give_up_surface(source);
         for (const std::string& error : read->errors) failure = error;
       }
       if (auto* failed = std::get_if<LoadFailed>(&report)) failure = failed->message;
@@ -282,29 +283,71 @@ TEST_F(Documents, SurfacesAreReadOnce) {
   open({"--add", path, "--add-color", "1,0,0", "--slice", "z"});
   ASSERT_EQ(document_.view.added.size(), 1U);
   EXPECT_EQ(document_.view.added[0].color, (Rgb{1, 0, 0}));
-  const auto surface = document_.view.added[0].surface;
+  const auto surface = document_.view.added[0].of->surface;
   loader_.read_beside({{path}, BesideUse::kAdd});
   ASSERT_EQ(load(loader_, document_), "");
   ASSERT_EQ(document_.view.added.size(), 2U);
-  EXPECT_EQ(document_.view.added[1].surface, surface);
+  EXPECT_EQ(document_.view.added[1].of->surface, surface);
   EXPECT_EQ(told("add-color"), "[\"1,0,0\",\"0.55,0.66,0.78\"]");
   document_.remember();
   write("1.25");
-  loader_.read_beside({{path}, BesideUse::kRenew});
+  loader_.read_beside({{}, BesideUse::kRenew, BesideKind::kAny, 0, {}, {{path}}});
   ASSERT_EQ(load(loader_, document_), "");
-  const auto renewed = document_.view.added[0].surface;
+  const auto renewed = document_.view.added[0].of->surface;
   EXPECT_NE(renewed, surface);
-  EXPECT_EQ(document_.view.added[1].surface, renewed);
+  EXPECT_EQ(document_.view.added[1].of->surface, renewed);
   document_.undo();  // what is taken back is the list, not the file
   ASSERT_EQ(document_.view.added.size(), 1U);
-  EXPECT_EQ(document_.view.added[0].surface, renewed);
+  EXPECT_EQ(document_.view.added[0].of->surface, renewed);
   std::filesystem::remove(path);
   const auto shown = document_.shown;
   loader_.choose(choice_of(*shown));
   ASSERT_EQ(load(loader_, document_), "");
   EXPECT_NE(document_.shown, shown);
-  EXPECT_EQ(document_.view.added[0].surface, renewed);
+  EXPECT_EQ(document_.view.added[0].of->surface, renewed);
   EXPECT_EQ(told("slice"), "[\"z\"]");
+}
+
+// Fails if what is wanted otherwise is not told, is not put where it is wanted, or cannot be given
+// up; or if undo forgets what was wanted before.
+TEST_F(Documents, SurfacesAreMadeOtherwise) {
+  const std::string path = folder_ / "p.csv";
+  cli_tests::write_file(path, "x,y,z,heat\n0,0,0,2\n1,0,0,7\n");
+  open({"--add", path});
+  document_.remember();
+  AddedSurface& added = document_.view.added.at(0);
+  EXPECT_EQ(added.of->arrays, std::vector<std::string>{"heat"});
+  EXPECT_TRUE(added.of->has_radius);
+  EXPECT_TRUE(document_.surfaces_to_make().empty());
+  EXPECT_EQ(told("add-array"), "");
+  EXPECT_EQ(told("add-radius"), "");
+  const SurfaceSource plain = added.source;
+  added.source.array = "heat";
+  added.source.radius = 0.25;
+  document_.touch();
+  document_.remember();
+  const std::vector<SurfaceSource> wanted = document_.surfaces_to_make();
+  ASSERT_EQ(wanted, std::vector{added.source});
+  EXPECT_FALSE(added.geometry(false).colors);  // of values that are not there yet
+  loader_.read_beside({{}, BesideUse::kRenew, BesideKind::kAny, 0, {}, wanted});
+  ASSERT_EQ(load(loader_, document_), "");
+  EXPECT_TRUE(document_.surfaces_to_make().empty());
+  EXPECT_TRUE(added.is_made());
+  EXPECT_EQ(added.of->values, std::pair(2.0, 7.0));
+  ASSERT_TRUE(added.geometry(false).colors);
+  EXPECT_EQ(added.geometry(false).colors->lo(), 2);
+  EXPECT_EQ(told("add-array"), "[\"heat\"]");
+  EXPECT_EQ(told("add-radius"), "[\"0.25\"]");
+  EXPECT_EQ(told("add-range"), "");
+  document_.undo();
+  EXPECT_EQ(document_.surfaces_to_make(), std::vector{plain});  // undo keeps none of its own
+  document_.redo();
+  EXPECT_TRUE(document_.surfaces_to_make().empty());
+  document_.view.added[0].source.array = "cold";
+  loader_.read_beside(
+      {{}, BesideUse::kRenew, BesideKind::kAny, 0, {}, document_.surfaces_to_make()});
+  EXPECT_NE(load(loader_, document_).find("cold"), std::string::npos);
+  EXPECT_EQ(document_.view.added[0].source.array, "heat");
 }
 
 // Numbers are told so that the same are read again, and other words so that a shell leaves them be.

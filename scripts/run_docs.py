@@ -14,7 +14,8 @@ import tempfile
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 BLOCK = re.compile(r"^```sh\n(.*?)^```", re.DOTALL | re.MULTILINE)
 PICTURE = re.compile(r"\]\((images/[^)]+)\)")
-OTHERS = {"images/contact-sheet.png"}  # scripts/contact_sheet.py, from data that are not shipped
+OTHERS = {"images/contact-sheet.png",  # scripts/contact_sheet.py, from data that are not shipped
+          "images/viewer-looks2d.png"}  # scripts/viewer_pictures.sh
 
 
 def run(program, page, check):

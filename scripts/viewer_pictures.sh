@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Draws the screenshots of docs/viewer.md again, or those named: viewer_pictures.sh [NAME...]. Each is what the window does by
+# Draws the screenshots of the window in docs again, or those named: viewer_pictures.sh [NAME...]. Each is what the window does by
 # docs/viewer/NAME.txt, on sample data. Without a display it takes a virtual one (Xvfb).
 set -euo pipefail
 cd "$(dirname "$0")/.."

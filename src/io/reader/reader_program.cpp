@@ -45,7 +45,7 @@ std::string find_reader_program(const std::string& source, const std::string& na
                                 std::string_view program) {
   if (!named.empty()) {
     std::error_code ignored;
-    const std::string path =
+    std::string path =
         program == kName ? named : (fs::canonical(named, ignored).parent_path() / program).string();
     if (::access(path.c_str(), X_OK) == 0) return path;
     throw Error(ErrorCode::kUnsupported,

@@ -117,19 +117,19 @@ std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingF
   return surface;
 }
 
-Subject make_subject(const Dataset& given, const Flags& flags, DrawingFlags* drawing,
+Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* drawing,
                      Session& session) {
-  check_kind_flags(flags, given);
-  take_channels(given, flags, drawing, session);
+  check_kind_flags(flags, dataset);
+  take_channels(dataset, flags, drawing, session);
   Subject subject;
-  const bool is_said = is_segmentation(given) && may_draw_own_labels(*drawing, session);
+  const bool is_said = is_segmentation(dataset) && may_draw_own_labels(*drawing, session);
   const auto merged = drawing->channels.names.empty()
-                          ? merged_layers(given, drawing->model.component)
+                          ? merged_layers(dataset, drawing->model.component)
                           : std::nullopt;
-  const Dataset& dataset = merged ? merged->dataset : given;
-  subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
+  const Dataset& drawn = merged ? merged->dataset : dataset;
+  subject.modelled = make_field(drawn, drawing->model, drawing->run.threads, session);
   if (!drawing->channels.names.empty())
-    take_channel_look(dataset, *subject.modelled.field.lattice(), drawing);
+    take_channel_look(drawn, *subject.modelled.field.lattice(), drawing);
   const bool are_labels = drawing->channels.names.empty() && !flags.is_given("kernel") &&
                           may_be_labels(drawing->look) &&
                           (is_said || holds_labels(subject.modelled.field));
@@ -140,29 +140,27 @@ Subject make_subject(const Dataset& given, const Flags& flags, DrawingFlags* dra
     drawing->model.lattice.kernel = kLabelKernel;
     // Within a sample a narrow kernel's field is flat; only its neighbours know where it ends.
     if (!flags.is_given("gradient")) drawing->options.gradient = GradientMethod::kCentral;
-    subject.modelled = make_field(dataset, drawing->model, drawing->run.threads, session);
+    subject.modelled = make_field(drawn, drawing->model, drawing->run.threads, session);
   }
-  subject.described = describe(dataset, subject.modelled, subject.modelled.component);
-  subject.unit = unit_of(dataset, subject.modelled, Role::kOpacity);
-  subject.surface = surface_of(dataset, *drawing, subject.modelled, session);
-  subject.has_points =
-      dataset.kind == DatasetKind::kParticles || dataset.kind == DatasetKind::kKernels;
+  subject.described = describe(drawn, subject.modelled, subject.modelled.component);
+  subject.unit = unit_of(drawn, subject.modelled, Role::kOpacity);
+  subject.surface = surface_of(drawn, *drawing, subject.modelled, session);
+  subject.has_points = drawn.kind == DatasetKind::kParticles || drawn.kind == DatasetKind::kKernels;
   subject.has_walls = subject.surface != nullptr &&
-                      (dataset.kind == DatasetKind::kMesh || !drawing->surface.within.empty());
+                      (drawn.kind == DatasetKind::kMesh || !drawing->surface.within.empty());
   subject.scenery = make_scenery(drawing->geometry, subject.modelled.field, session);
   if (drawing->labels.own_surfaces || (are_labels && may_draw_own_labels(*drawing, session))) {
-    const auto table = merged
-                           ? merged->table
-                           : table_of_file(dataset.source, std::max(drawing->model.component, 0));
+    const auto table =
+        merged ? merged->table : table_of_file(drawn.source, std::max(drawing->model.component, 0));
     subject.scenery.labels =
-        make_own_labels(subject.modelled.field, dataset.source, table, *drawing, session);
+        make_own_labels(subject.modelled.field, drawn.source, table, *drawing, session);
     subject.usual_look.set(label_look(subject.scenery.labels.styles));
     subject.described.label_names = names_of(subject.scenery.labels.styles);
   } else {
     subject.scenery.labels = make_labels_beside(*drawing, session);
   }
-  subject.further = drawing->channels.names.empty() ? make_over(*drawing, dataset, session)
-                                                    : make_channels(dataset, *drawing, session);
+  subject.further = drawing->channels.names.empty() ? make_over(*drawing, drawn, session)
+                                                    : make_channels(drawn, *drawing, session);
   drawing->options.mixing = mixing_of(*drawing);
   return subject;
 }

@@ -147,6 +147,7 @@ std::optional<MergedLayers> merged_layers(const Dataset& dataset, int component)
   if (!is_segmentation(dataset) || num_layers < 2 || component != kUsualComponent)
     return std::nullopt;
   std::vector<std::vector<LabelEntry>> tables;
+  tables.reserve(static_cast<std::size_t>(num_layers));
   for (int layer = 0; layer < num_layers; ++layer)
     tables.push_back(table_of_file(dataset.source, layer));
   return merge_layers(dataset, tables);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <new>
 #include <numeric>
-#include <optional>
 #include <vector>
 
 #include "data/kernel_shape.h"
@@ -38,19 +37,14 @@ FieldSamples take_samples(const KernelField& field) try {
   constexpr std::int64_t kWantedSums = 4096;
   const KernelSource& source = field.source();
   const bool is_sum = field.reconstruction() == Reconstruction::kSum;
-  std::optional<KernelSampler> sampler;
-  if (is_sum) sampler.emplace(field);
+  ValuesAtKernels values(field);
   FieldSamples samples;
   std::vector<float> weights;
   data::for_some_kernels(
       source, is_sum ? kWantedSums : data::kWantedSamples,
       [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
-        if (is_sum) {
-          const Vec3 place = brick.origin + data::offset_of(view, i);
-          samples.values.push_back(static_cast<float>(sampler->at(place).value));
-          return;
-        }
-        samples.values.push_back(view.value[static_cast<std::size_t>(field.attribute())][i]);
+        samples.values.push_back(static_cast<float>(values.at(brick, view, i)));
+        if (is_sum) return;
         const std::array<float, 6> shape = data::shape_numbers(view, source.shape(), i);
         const double volume = data::factor_of(source.shape(), shape.data()).determinant();
         weights.push_back(static_cast<float>(std::sqrt(std::abs(volume))));

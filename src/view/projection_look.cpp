@@ -149,20 +149,15 @@ struct SomeKernels {
 SomeKernels some_kernels(const KernelField& field) {
   constexpr std::int64_t kWanted = 4096;
   const KernelSource& source = field.source();
-  const bool is_sum = field.reconstruction() == Reconstruction::kSum;
-  std::optional<KernelSampler> sampler;
-  if (is_sum) sampler.emplace(field);
+  view::ValuesAtKernels values(field);
   SomeKernels some;
   data::for_some_kernels(
       source, kWanted, [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
-        const Vec3 place = brick.origin + data::offset_of(view, i);
-        const double value =
-            is_sum ? sampler->at(place).value
-                   : double{view.value[static_cast<std::size_t>(field.attribute())][i]};
+        const double value = values.at(brick, view, i);
         if (!std::isfinite(value)) return;
         const std::array<float, 6> shape = data::shape_numbers(view, source.shape(), i);
         const double volume = std::abs(data::factor_of(source.shape(), shape.data()).determinant());
-        some.places.push_back(place);
+        some.places.push_back(brick.origin + data::offset_of(view, i));
         some.values.push_back(value);
         some.areas.push_back(std::numbers::pi * std::pow(volume, 2.0 / 3));
       });

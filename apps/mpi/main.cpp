@@ -13,6 +13,7 @@
 
 #include "command.h"
 #include "console.h"
+#include "interrupt.h"
 #include "mpi_team.h"
 #include "ovoid/error.h"
 #include "session.h"
@@ -52,8 +53,7 @@ int run_in_team(const Words& words, Team& team, Session& session) {
       team.meet(message, exit_code);  // throws
     }
   } catch (const TeamError& error) {
-    if (team.number() == 0) complain(error.what(), error.exit_code());
-    return error.exit_code();
+    return team.number() == 0 ? complain(error.what(), error.exit_code()) : error.exit_code();
   }
   return kExitFailed;
 }
@@ -96,6 +96,8 @@ int run(int argc, char** argv) {
     } catch (...) {
       exit_code = speaks_for_all() ? complain_of_exception() : failure_of_exception().exit_code;
     }
+    // All is said. Launchers end those that are slower than the first that failed.
+    Interrupt::be_silent();
     MPI_Finalize();
   } catch (...) {
     exit_code = complain_of_exception();

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "console.h"
+#include "interrupt.h"
 #include "picture_part.h"
 #include "session.h"
 #include "usage.h"
@@ -60,6 +61,7 @@ Neighbors look_around() {
 // Nobody can be told any more but by ending the job.
 [[noreturn]] void end_job(const std::string& message) {
   complain(message, kExitFailed);
+  Interrupt::be_silent();
   MPI_Abort(MPI_COMM_WORLD, kExitFailed);
   std::abort();
 }

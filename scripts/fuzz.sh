@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 
 seconds=${1:?"usage: fuzz.sh SECONDS [TARGET...]"}
 targets=("${@:2}")
-((${#targets[@]})) || targets=(nrrd npy nifti metaimage slc slice tiff zarr xdmf netcdf raw_name dicom dicom_codec vtk_header plot3d netcdf_header vdb_header look camera point_text npz ply lammps relevant_runs)
+((${#targets[@]})) || targets=(nrrd npy nifti metaimage slc slice tiff zarr xdmf netcdf raw_name dicom dicom_codec vtk_header plot3d netcdf_header vdb_header gltf look look_2d label_table camera point_text npz ply lammps relevant_runs)
 build=build/fuzz
 
 launcher=()

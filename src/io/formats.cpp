@@ -24,6 +24,8 @@
 #include "io/images/slice_pictures.h"
 #include "io/images/tiff.h"
 #include "io/images/tiff_file.h"
+#include "io/meshes/gltf.h"
+#include "io/meshes/gltf_file.h"
 #include "io/meshes/mesh_files.h"
 #include "io/meshes/plot3d.h"
 #include "io/meshes/surfaces.h"
@@ -260,6 +262,12 @@ std::vector<Format> grids() {
        .endings = {".obj"},
        .is_file = is_obj,
        .read = read_one<read_obj>,
+       .kinds = {kMesh}},
+      {.name = "glTF",
+       .endings = {".gltf", ".glb"},
+       .is_file = is_gltf,
+       .read = read_gltf,
+       .companions = gltf_companions,
        .kinds = {kMesh}},
       // Of a PLY file whose faces are asked for (ReadOptions::faces).
       {.name = kPlyFaces, .endings = {}, .library = "VTK", .kinds = {kMesh}},

@@ -148,6 +148,9 @@ TEST(Mutation, VtkHeader) { run(fuzz::vtk_header_seeds(), fuzz::vtk_header); }
 TEST(Mutation, Plot3d) { run(fuzz::plot3d_seeds(), fuzz::plot3d); }
 TEST(Mutation, Netcdf) { run(fuzz::netcdf_seeds(), fuzz::netcdf, 4000); }
 TEST(Mutation, NetcdfHeader) { run(fuzz::netcdf_header_seeds(), fuzz::netcdf_header, 4000); }
+TEST(Mutation, Look2D) { run(fuzz::look_2d_seeds(), fuzz::look_2d, 3000); }
+TEST(Mutation, LabelTable) { run(fuzz::label_table_seeds(), fuzz::label_table, 3000); }
+TEST(Mutation, Gltf) { run(fuzz::gltf_seeds(), fuzz::gltf, 4000); }
 TEST(Mutation, VdbHeader) { run(fuzz::vdb_header_seeds(), fuzz::vdb_header, 4000); }
 TEST(Mutation, PictureParts) { run(fuzz::picture_part_seeds(), fuzz::picture_part, 400); }
 TEST(Mutation, Look) { run(fuzz::look_seeds(), fuzz::look, 4000); }
@@ -225,10 +228,22 @@ TEST(Mutation, SeedsAreValid) {
         "")
         << i;
   }
+  for (const std::string& seed : fuzz::gltf_seeds()) {
+    const auto bytes = std::as_bytes(std::span(seed));
+    EXPECT_EQ(error_of([&] { read_source(*open_memory("a.gltf", bytes), {}); }), "");
+  }
   for (const std::string& seed : fuzz::vdb_header_seeds()) {
     EXPECT_EQ(
         error_of([&] { read_vdb_header(*open_memory("a.vdb", std::as_bytes(std::span(seed)))); }),
         "");
+  }
+  for (const std::string& seed : fuzz::look_2d_seeds()) {
+    const fuzz::MemoryFile file(std::as_bytes(std::span(seed)));
+    EXPECT_EQ(error_of([&] { read_transfer_function_2d(file.path()); }), "") << seed;
+  }
+  for (const std::string& seed : fuzz::label_table_seeds()) {
+    const fuzz::MemoryFile file(std::as_bytes(std::span(seed)));
+    EXPECT_EQ(error_of([&] { read_label_table(file.path()); }), "") << seed;
   }
   for (const std::string& seed : fuzz::look_seeds()) {
     const fuzz::MemoryFile file(std::as_bytes(std::span(seed)));

@@ -78,6 +78,29 @@ class GeometryFiles : public testing::Test {
     return path;
   }
 
+  // Half as large, in a node that doubles it.
+  std::string gltf() {
+    std::string numbers;
+    const auto put = [&](auto number) {
+      numbers.append(reinterpret_cast<const char*>(&number), sizeof(number));
+    };
+    for (int c = 0; c < 5; ++c)
+      for (int a = 0; a < 3; ++a) put(at(c, a) / 2);
+    for (const auto& face : kFaces)
+      for (const int corner : face) put(static_cast<std::uint16_t>(corner));
+    std::ofstream(folder_ / "pyramid.bin", std::ios::binary) << numbers;
+    const std::string path = folder_ / "pyramid.gltf";
+    std::ofstream(path)
+        << R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "scene": 0, "nodes": )"
+        << R"([{"mesh": 0, "scale": [2, 2, 2]}], "meshes": [{"primitives": [{"attributes": )"
+        << R"({"POSITION": 0}, "indices": 1}]}], "accessors": [{"bufferView": 0, "componentType": )"
+        << R"(5126, "count": 5, "type": "VEC3", "min": [-1, -1, -1], "max": [1, 1, 1]}, )"
+        << R"({"bufferView": 1, "componentType": 5123, "count": 18, "type": "SCALAR"}], )"
+        << R"("bufferViews": [{"buffer": 0, "byteLength": 60}, {"buffer": 0, "byteOffset": 60, )"
+        << R"("byteLength": 36}], "buffers": [{"uri": "pyramid.bin", "byteLength": 96}]})";
+    return path;
+  }
+
   Picture drawn(const Words& more) {
     Words words{ball_, "--size", "64x64", "--projection", "parallel"};
     words.insert(words.end(), more.begin(), more.end());
@@ -99,7 +122,7 @@ float greatest_difference(const Picture& a, const Picture& b) {
 TEST_F(GeometryFiles, AllFormatsShowTheSameFaces) {
   const Picture expected = drawn({"--add", obj_});
   EXPECT_GT(greatest_difference(expected, drawn({})), 0.2F);
-  for (const std::string& file : {ply(), stl(), vtp()})
+  for (const std::string& file : {ply(), stl(), vtp(), gltf()})
     EXPECT_LT(greatest_difference(expected, drawn({"--add", file})), 1e-3F) << file;
 }
 

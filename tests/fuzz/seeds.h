@@ -511,6 +511,36 @@ inline std::vector<std::string> picture_part_seeds() {
   return seeds;
 }
 
+// Regions, a table, ParaView's boxes, a grid of RGBA.
+inline std::vector<std::string> look_2d_seeds() {
+  return {
+      R"({"Regions":[{"Values":[0,10],"Gradients":[0,5],"Color":[1,0,0],"Opacity":0.5,"Softness":0.25,"Foot":0.5},)"
+      R"({"Shape":"Gaussian","Values":[-1,3],"Gradients":[1,2]}]})",
+      R"({"Values":[0,1],"Gradients":[0,2],"Size":[2,2],"RGBA":[1,0,0,1,0,1,0,0.5,0,0,1,0.25,1,1,1,0]})",
+      R"([{"Name":"a","Points":[0,0,0.5,0],"TransferFunction2D":{"Regions":[{"Values":[0,1],"Gradients":[0,1]}]}}])",
+      R"(<ParaView><Proxy group="transfer_2d_functions" type="TransferFunction2D" id="2">)"
+      R"(<Property name="Boxes" number_of_elements="8"><Element index="0" value="10"/>)"
+      R"(<Element index="1" value="2"/><Element index="2" value="30"/><Element index="3" value="4"/>)"
+      R"(<Element index="4" value="1"/><Element index="5" value="0.5"/><Element index="6" value="0"/>)"
+      R"(<Element index="7" value="0.25"/></Property></Proxy></ParaView>)",
+      "NRRD0004\ntype: float\ndimension: 4\nsizes: 4 2 2 1\nkinds: vector domain domain domain\n"
+      "space dimension: 3\nspace directions: none (10,0,0) (0,3,0) (0,0,1)\n"
+      "space origin: (5,1,0)\nencoding: ascii\n\n1 0 0 0.5 0 1 0 0.5 0 0 1 0.25 1 1 1 1\n"};
+}
+
+// Slicer's table and segmentation, ITK-SNAP's, FreeSurfer's, BIDS', and rows.
+inline std::vector<std::string> label_table_seeds() {
+  return {"# Color table file\n1 skin 255 128 0 255\n2 left_lung 0 0 255 128\n",
+          "NRRD0004\ntype: unsigned char\ndimension: 4\nsizes: 2 1 1 1\nencoding: raw\n"
+          "Segment0_LabelValue:=1\nSegment0_Layer:=0\nSegment0_Color:=1 0 0\nSegment0_Name:=a\n"
+          "Segment1_LabelValue:=3\nSegment1_Layer:=1\nSegment1_Color:=0 0.5 1\n\n12",
+          "    0     0    0    0        0  0  0    \"Clear Label\"\n"
+          "    1   255    0    0      0.5  1  1    \"a \\ b\"\n",
+          "#No. Label Name:  R G B A\n0 Unknown 0 0 0 0\n1004 ctx-lh 25 100 40 0\n",
+          "index\tname\tcolor\n1\tone\t#ff0000\n2\ttwo\tn/a\n",
+          "1 Precentral_L 2001\n-5 minus\n"};
+}
+
 inline std::vector<std::string> look_seeds() {
   return {
       R"([{"Name":"a","ColorSpace":"Diverging","RGBPoints":[0,0.1,0.2,0.3,0.5,1,1,1,1,0.7,0,0],"Points":[0,0,0.5,0,1,1,0.2,0.8],)"
@@ -581,6 +611,41 @@ inline std::vector<std::string> netcdf_header_seeds() {
   return {"CDF\x01" + start + word(100) + std::string(200, '\0'),
           "CDF\x02" + start + word(0) + word(100) + std::string(200, '\0'),
           "\x89HDF\r\n\x1a\n" + std::string("\0\0\0\0\0\x08\x08\0", 8) + std::string(112, '\0')};
+}
+
+// A triangle that a node moves: binary, and as text with its numbers in it.
+inline std::vector<std::string> gltf_seeds() {
+  const auto number = [](std::size_t value) {
+    std::string bytes;
+    for (int i = 0; i < 4; ++i, value >>= 8U)
+      bytes += static_cast<char>(static_cast<unsigned char>(value & 0xffU));
+    return bytes;
+  };
+  const auto text = [](const std::string& uri) {
+    return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
+           R"("nodes":[{"children":[1]},{"mesh":0,"translation":[10,0,0]}],)"
+           R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+           R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",)"
+           R"("min":[0,0,0],"max":[1,1,0]},)"
+           R"({"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}],)"
+           R"("bufferViews":[{"buffer":0,"byteLength":36},)"
+           R"({"buffer":0,"byteOffset":36,"byteLength":6}],)"
+           R"("buffers":[{)" +
+           uri + R"("byteLength":42}]})";
+  };
+  std::string json = text("");
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::string numbers(44, '\0');
+  const float one = 1;
+  std::memcpy(numbers.data() + 12, &one, sizeof(one));  // (1 0 0)
+  std::memcpy(numbers.data() + 28, &one, sizeof(one));  // (0 1 0)
+  numbers[38] = 1;
+  numbers[40] = 2;
+  const std::string chunks = number(json.size()) + "JSON" + json + number(numbers.size()) +
+                             std::string("BIN\0", 4) + numbers;
+  return {"glTF" + number(2) + number(12 + chunks.size()) + chunks,
+          text(R"("uri":"data:application/octet-stream;base64,)" + std::string(16, 'A') +
+               R"(AACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA",)")};
 }
 
 // A grid, and another that shares its tree; and a file without offsets.

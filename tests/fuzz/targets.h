@@ -288,6 +288,38 @@ inline void picture_part(Input input) {
   }
 }
 
+inline void look_2d(Input input) {
+  const MemoryFile file(input);
+  try {
+    const TransferFunction2D function = read_transfer_function_2d(file.path());
+    const TransferFunction2D::Axis &values = function.values(), &gradients = function.gradients();
+    require(values.first < values.last && 0 <= gradients.first && gradients.first < gradients.last,
+            "an axis that does not rise");
+    for (const double at : {values.first, 0.5 * (values.first + values.last), values.last}) {
+      for (const double c : function.at(at, gradients.last))
+        require(c >= 0 && c <= 1, "a component outside [0, 1]");
+    }
+  } catch (const Error& error) {
+    require(std::string(error.what()).find('\n') == std::string::npos,
+            "a message of several lines");
+  }
+}
+
+inline void label_table(Input input) {
+  const MemoryFile file(input);
+  try {
+    for (const LabelEntry& entry : read_label_table(file.path(), 1)) {
+      if (entry.opacity)
+        require(*entry.opacity >= 0 && *entry.opacity <= 1, "an opacity outside [0, 1]");
+      for (const double c : entry.color.value_or(Rgb{}))
+        require(c >= 0 && c <= 1, "a colour outside [0, 1]");
+    }
+  } catch (const Error& error) {
+    require(std::string(error.what()).find('\n') == std::string::npos,
+            "a message of several lines");
+  }
+}
+
 inline void look(Input input) {
   const MemoryFile file(input);
   try {
@@ -379,6 +411,8 @@ inline void vdb_header(Input input) {
     require(std::string(error.what()).size() < 1000, "a message without end");
   }
 }
+
+inline void gltf(Input input) { read_with_files("fuzz.gltf", input); }
 
 inline void camera(Input input) {
   const MemoryFile file(input);

@@ -185,6 +185,22 @@ def vtk_hdf_mesh(path):
         file.dataset("VTKHDF/PointData/v", "f4", range(9))
 
 
+def gltf():
+    """The text of a tetrahedron whose numbers are in a.bin, and these."""
+    places = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]
+    faces = [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3]
+    text = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+            "nodes": [{"children": [1], "scale": [2, 2, 2]}, {"mesh": 0, "translation": [3, 0, 0]}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+            "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
+                           "min": [0, 0, 0], "max": [1, 1, 1]},
+                          {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
+            "buffers": [{"uri": "a.bin", "byteLength": 72}]}
+    return json.dumps(text), struct.pack("<12f12H", *places, *faces)
+
+
 def enzo(folder):
     """A root grid of 4^3 cells and a finer one of 4^3 in its middle, each with three ghost cells on all sides."""
 
@@ -252,6 +268,12 @@ def seeds(folder, program):
     add("vthb", "a.vthb", {"a.vthb": xml("vtkOverlappingAMR", '<vtkOverlappingAMR origin="0 0 0">'
         '<Block level="0" spacing="1 1 1"><DataSet index="0" amr_box="0 1 0 1 0 1" file="g.vti"/></Block>'
         "</vtkOverlappingAMR>"), "g.vti": xml("ImageData", cell_image)})
+    text, numbers = gltf()
+    add("glTF", "a.gltf", {"a.gltf": text, "a.bin": numbers})
+    text = text.replace('"uri": "a.bin", ', "").encode()
+    chunks = b"".join(struct.pack("<I4s", len(part), kind) + part
+                      for kind, part in ((b"JSON", text + b" " * (-len(text) % 4)), (b"BIN\0", numbers)))
+    add("glTF binary", "a.glb", {"a.glb": b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks})
     add("legacy image", "a.vtk", {"a.vtk": legacy("DATASET STRUCTURED_POINTS\nDIMENSIONS 3 2 2\nORIGIN 0 0 0\n"
                                                   "SPACING 1 1 1\n", 12)})
     add("legacy rectilinear", "a.vtk", {"a.vtk": legacy("DATASET RECTILINEAR_GRID\nDIMENSIONS 3 2 2\n"

@@ -263,7 +263,8 @@ CameraSubject subject_of(const Scenery& scenery, const Field& field, const Drawi
           false,
           nullptr,
           false,
-          options.further};
+          options.further,
+          &scenery.beside.slices};
 }
 
 Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& flags,

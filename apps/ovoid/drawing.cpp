@@ -156,6 +156,7 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
         make_own_labels(subject.modelled.field, drawn.source, table, *drawing, session);
     subject.usual_look.set(label_look(subject.scenery.labels.styles));
     subject.described.label_names = names_of(subject.scenery.labels.styles);
+    leave_slices_to_labels(subject.scenery.labels, subject.scenery.slices);
   } else {
     subject.scenery.labels = make_labels_beside(*drawing, session);
   }

@@ -20,6 +20,11 @@ using LabelOpacities = std::vector<LabelFlags::Opacity>;
 using LabelColors = std::vector<LabelFlags::Color>;
 using LabelNames = std::vector<std::string>;
 
+const Names<SliceLabels> kSliceLabels = {{"lines", SliceLabels::kLines},
+                                         {"areas", SliceLabels::kAreas},
+                                         {"both", SliceLabels::kBoth},
+                                         {"none", SliceLabels::kNone}};
+
 // The two sides of each LABEL=VALUE; `expected` is what there should be.
 std::vector<std::pair<std::string, std::string>> parse_pairs(const std::string& text,
                                                              const char* expected) {
@@ -77,6 +82,7 @@ const Table<LabelFlags>& label_settings() {
   const Rule lit = not_with("mode", "is for --mode composite and isosurface", is_unlit);
   const Rule alone = not_with("value-plane motion-blur points part");
   const Rule of_file = needs("labels", "has no effect without --labels");
+  const Rule of_slices = needs("slice", "has no effect without --slice");
   static const Table<L> all = {
       {"--labels", word("FILE", Content::kFile), &L::file,
        "the surfaces of a label map in the data's world, such as a segmentation of the scan", lit,
@@ -126,6 +132,13 @@ const Table<LabelFlags>& label_settings() {
         }},
        "draw no data within these labels",
        of_file},
+      {"--slice-labels", choice(kSliceLabels), &L::on_slices,
+       "what slices show of labels that are drawn: their outlines, what they cover, both or "
+       "nothing "
+       "(default: lines; areas of data that are labels)",
+       of_slices, lit},
+      {"--flat-labels", Toggle(), &L::are_flat, "labels on slices alone, without their surfaces",
+       of_slices, lit},
   };
   return all;
 }

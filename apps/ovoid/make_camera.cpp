@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -21,6 +22,25 @@ void set_view_angle_in_sight(Camera& camera, double degrees) {
   const double farther = sine_of_half(camera.view_angle) / sine_of_half(degrees);
   camera.position = camera.focal_point + farther * (camera.position - camera.focal_point);
   camera.view_angle = degrees;
+}
+
+bool shows_nothing(const Look& look) {
+  const std::vector<OpacityPoint>& opacities = look.transfer_function.opacities;
+  return look.mode == Mode::kComposite && !look.transfer_function_2d && !opacities.empty() &&
+         std::all_of(opacities.begin(), opacities.end(),
+                     [](const OpacityPoint& point) { return point.opacity == 0; });
+}
+
+// What is to fill the picture, by value.
+Look framed_look(const CameraSubject& subject) {
+  Look look = subject.look;
+  const bool is_by_slices =
+      subject.slices != nullptr && !subject.slices->empty() && shows_nothing(look);
+  if (!subject.shows_all && !is_by_slices) return look;
+  look.transfer_function.opacities.clear();
+  if (is_by_slices) look.transfer_function.opacities = subject.slices->front().colors.opacities;
+  look.transfer_function.gradient_opacities.clear();
+  return look;
 }
 
 void turn(Camera& camera, const CameraFlags& flags) {
@@ -58,11 +78,7 @@ Camera make_camera(const CameraFlags& flags, const CameraSubject& subject) {
   if (flags.file.empty() && flags.fit == Fit::kVisible) {
     const Framing framing{subject.aspect, Framing().fill, subject.is_for_turning,
                           subject.clip_planes, subject.further};
-    Look look = subject.look;
-    if (subject.shows_all) {
-      look.transfer_function.opacities.clear();
-      look.transfer_function.gradient_opacities.clear();
-    }
+    const Look look = framed_look(subject);
     camera = subject.surface != nullptr ? framed(camera, *subject.surface, framing)
                                         : framed(camera, subject.field, look, framing);
   }

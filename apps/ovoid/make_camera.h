@@ -8,6 +8,7 @@
 #include "ovoid/camera.h"
 #include "ovoid/field.h"
 #include "ovoid/further_volumes.h"
+#include "ovoid/geometry.h"
 #include "ovoid/look.h"
 #include "ovoid/render_options.h"
 #include "ovoid/surface.h"
@@ -27,6 +28,8 @@ struct CameraSubject {
   const Surface* surface = nullptr;  // what is drawn instead of the field; null: nothing
   bool shows_all = false;            // every kernel is seen, whatever the look makes of its value
   std::shared_ptr<const std::vector<FurtherVolume>> further{};  // drawn with the field
+  // Of the field, which count where the look shows nothing of it; null: none.
+  const std::vector<FieldSlice>* slices = nullptr;
 };
 
 // The default view of the subject, or the file's camera, with the flags applied. Throws Error.

@@ -52,6 +52,15 @@ TransferFunction colors_of_slices(const GeometryFlags& flags, const Histogram& h
   return colors;
 }
 
+// As radiologists' programs tell their three views apart: sagittal, coronal, axial.
+Rgb usual_outline_color(const Vec3& normal) {
+  constexpr Rgb kOfAxes[] = {{0.93, 0.84, 0.30}, {0.43, 0.69, 0.29}, {0.96, 0.31, 0.28}};
+  const double length = normal.norm();
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(normal[axis]) == length) return kOfAxes[axis];
+  return {0.9, 0.9, 0.9};
+}
+
 // Faces, and tubes and balls; null: there are none.
 std::shared_ptr<const Surface> both(std::shared_ptr<const Surface> faces,
                                     std::shared_ptr<const Surface> tubes) {
@@ -196,6 +205,8 @@ std::vector<FieldSlice> make_slices(const GeometryFlags& flags, const Field& fie
     FieldSlice slice{plane.normal, plane.offset.value_or(bounds.center().dot(plane.normal)),
                      colors};
     slice.opacity = flags.slice_opacity;
+    if (flags.has_outlines)
+      slice.outline = flags.outline_color.value_or(usual_outline_color(plane.normal));
     slices.push_back(std::move(slice));
   }
   return slices;

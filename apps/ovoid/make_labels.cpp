@@ -70,6 +70,26 @@ LabelStyle& named_style(std::vector<LabelStyle>& styles, const std::string& name
 
 }  // namespace
 
+void show_on_slices(LabelSurfaces& surfaces, SliceLabels what) {
+  constexpr double kTint = 0.35;  // under lines
+  surfaces.slice_lines = what == SliceLabels::kLines || what == SliceLabels::kBoth ? 1 : 0;
+  surfaces.slice_areas = what == SliceLabels::kAreas ? 1 : what == SliceLabels::kBoth ? kTint : 0;
+}
+
+SliceLabels shown_on_slices(const LabelSurfaces& surfaces) {
+  if (surfaces.slice_lines > 0)
+    return surfaces.slice_areas > 0 ? SliceLabels::kBoth : SliceLabels::kLines;
+  return surfaces.slice_areas > 0 ? SliceLabels::kAreas : SliceLabels::kNone;
+}
+
+void leave_slices_to_labels(const LabelSurfaces& surfaces, std::vector<FieldSlice>& slices) {
+  const bool are_the_data = surfaces.map != nullptr && !surfaces.shows_field_elsewhere &&
+                            std::none_of(surfaces.styles.begin(), surfaces.styles.end(),
+                                         [](const LabelStyle& style) { return style.shows_field; });
+  if (!are_the_data || surfaces.slice_areas == 0) return;
+  for (FieldSlice& slice : slices) slice.colors.opacities = {{0, 0}};
+}
+
 void style_labels(std::vector<LabelStyle>& styles, const LabelFlags& flags) {
   for (const auto& [name, rgb] : flags.colors)
     named_style(styles, name, "--label-color").color = rgb;
@@ -123,6 +143,7 @@ LabelSurfaces surfaces_for(const std::string& flag, const Field& field, const st
   const std::string& file = drawing.labels.table;
   surfaces.styles = label_styles(*surfaces.map, file.empty() ? table : read_label_table(file));
   style_labels(surfaces.styles, drawing.labels);
+  surfaces.shows_surfaces = !drawing.labels.are_flat;
   return surfaces;
 }
 
@@ -159,6 +180,7 @@ LabelSurfaces make_own_labels(const Field& field, const std::string& source,
   LabelSurfaces surfaces = surfaces_for("--label-surfaces", field, source, table, drawing, session);
   surfaces.shows_field_elsewhere = false;
   for (LabelStyle& style : surfaces.styles) style.shows_field = false;
+  show_on_slices(surfaces, drawing.labels.on_slices.value_or(SliceLabels::kAreas));
   return surfaces;
 }
 
@@ -202,6 +224,7 @@ LabelSurfaces make_labels_of(const Dataset& dataset, const DrawingFlags& drawing
   const auto table = merged ? merged->table : table_of_file(dataset.source, 0);
   LabelSurfaces surfaces = surfaces_for("--labels", field, dataset.source, table, drawing, session);
   set_field(surfaces, drawing.labels);
+  show_on_slices(surfaces, drawing.labels.on_slices.value_or(SliceLabels::kLines));
   return surfaces;
 }
 

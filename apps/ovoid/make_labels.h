@@ -40,6 +40,12 @@ std::map<int, std::string> names_of(const std::vector<LabelStyle>& styles);
 LabelSurfaces own_labels_of_step(const Field& field, const LabelSurfaces& before, int threads,
                                  const Session& session);
 
+// What slices show of labels from now on.
+void show_on_slices(LabelSurfaces& surfaces, SliceLabels what);
+SliceLabels shown_on_slices(const LabelSurfaces& surfaces);
+// Slices of data that are labels show these instead of their numbers, where they show areas.
+void leave_slices_to_labels(const LabelSurfaces& surfaces, std::vector<FieldSlice>& slices);
+
 // The colours and opacities that flags give to labels. Throws Error for a label that nobody knows.
 void style_labels(std::vector<LabelStyle>& styles, const LabelFlags& flags);
 

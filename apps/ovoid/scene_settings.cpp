@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "color_words.h"
 #include "setting_forms.h"
 #include "settings.h"
 
@@ -70,6 +71,19 @@ const Table<GeometryFlags>& geometry_settings() {
        of_slices},
       {"--slice-opacity", number("A", {.lo = 0, .hi = 1, .lo_open = true}), &G::slice_opacity,
        "(default {})", of_slices},
+      {"--slice-outline",
+       {"[=COLOR]",
+        [](G& flags, const std::string& text) {
+          flags.has_outlines = true;
+          flags.outline_color = text.empty() ? std::nullopt : std::optional(parse_rgb(text));
+        },
+        [](const G& flags) {
+          if (!flags.has_outlines) return Json();
+          return flags.outline_color ? Json(hex_text(*flags.outline_color)) : Json(true);
+        }},
+       "a line where slices leave the data's box (default: yellow, green and red of those across "
+       "x, y and z, white of others)",
+       of_slices},
   };
   return all;
 }

@@ -188,7 +188,12 @@ struct GeometryFlags {
   std::optional<std::pair<double, double>> slice_range;  // none: of nearly all values
   double slice_opacity = 1;
   bool shows_empty = false;
+  bool has_outlines = false;         // of slices
+  std::optional<Rgb> outline_color;  // of all of them; none: by their axes
 };
+
+// What slices show of labels.
+enum class SliceLabels { kLines, kAreas, kBoth, kNone };
 
 // The surfaces of labels.
 struct LabelFlags {
@@ -208,6 +213,8 @@ struct LabelFlags {
   std::vector<Opacity> opacities;
   std::vector<Color> colors;                 // by number or name
   std::vector<std::string> inside, outside;  // where the field is drawn; empty: not said
+  std::optional<SliceLabels> on_slices;      // none: areas of data that are labels, else lines
+  bool are_flat = false;                     // on slices alone
 };
 
 // --channels: arrays of the input in one picture, each with the colour and range of its place.

@@ -27,7 +27,7 @@ Shot make_shot(const Subject& subject, DrawingFlags* drawing, Session& session) 
       drawing->camera,
       {field, shot.look, bounds_with(shot.described.box.world_bounds(), options.further),
        shot.described.space, aspect, options.clip_planes, false, drawn.framed_surface(),
-       shot.points.has_value(), options.further});
+       shot.points.has_value(), options.further, &subject.scenery.slices});
   return shot;
 }
 

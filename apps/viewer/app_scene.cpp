@@ -116,7 +116,8 @@ void App::ask_for_surfaces() {
 nlohmann::ordered_json App::facts_of_labels() const {
   const View& view = document_.view;
   nlohmann::ordered_json json = {{"file", view.labels ? view.labels->file : ""},
-                                 {"are_shown", document_.shows_labels(view)}};
+                                 {"are_shown", document_.shows_labels(view)},
+                                 {"are_flat", view.are_labels_flat}};
   const LabelSurfaces* const plain = document_.plain_labels(view);
   json["count"] = plain == nullptr ? 0 : plain->styles.size();
   if (plain == nullptr) return json;
@@ -169,6 +170,7 @@ nlohmann::ordered_json App::facts_of_scene() const {
                                  {"opacity", view.slices.slice_opacity},
                                  {"has_range", view.slices.slice_range.has_value()},
                                  {"shows_empty", view.slices.shows_empty},
+                                 {"outlines", view.slices.has_outlines},
                                  {"is_seen", document_.shows_scenery(view)},
                                  {"labels", facts_of_labels()},
                                  {"several", facts_of_several()}};

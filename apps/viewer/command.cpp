@@ -91,6 +91,10 @@ cli::LabelFlags labels_of(const Document& document) {
     flags.outside = opened.outside;
   }
   tell_label_edits(document.plain_labels(view)->styles, view.label_edits, &flags);
+  if (!view.slices.slices.empty()) {
+    flags.on_slices = view.slice_labels;
+    flags.are_flat = view.are_labels_flat;
+  }
   return flags;
 }
 
@@ -181,6 +185,8 @@ cli::GeometryFlags geometry_of(const Document& document, FlagsFor use) {
   flags.slice_range = slices.slice_range;
   flags.slice_opacity = slices.slice_opacity;
   flags.shows_empty = slices.shows_empty;
+  flags.has_outlines = slices.has_outlines;
+  flags.outline_color = slices.outline_color;
   return flags;
 }
 

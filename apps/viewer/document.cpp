@@ -10,6 +10,7 @@
 #include "command.h"
 #include "make_camera.h"
 #include "make_geometry.h"
+#include "make_labels.h"
 #include "make_over.h"
 #include "ovoid/crop.h"
 #include "ovoid/error.h"
@@ -102,6 +103,8 @@ void Document::take(const ShownReady& ready, double aspect) {
     view.labels = std::exchange(opened_labels_, std::nullopt);
     if (const LabelSurfaces* const labels = plain_labels(view))
       edit_labels(label_edits_of(labels->styles, flags.labels));
+    view.slice_labels = flags.labels.on_slices;
+    view.are_labels_flat = flags.labels.are_flat;
     for (const auto& volume : std::exchange(opened_volumes_, {})) add_volume(volume);
     view.options.mixing = flags.channels.mixing.value_or(Mixing::kAveraged);
     take_channels(true);
@@ -184,6 +187,8 @@ LabelSurfaces Document::labels_of(const View& of) const {
   if (!shows_labels(of)) return {};
   LabelSurfaces labels = *plain_labels(of);
   labels.styles = edited(std::move(labels.styles), of.label_edits);
+  if (of.slice_labels) cli::show_on_slices(labels, *of.slice_labels);
+  labels.shows_surfaces = !of.are_labels_flat;
   return labels;
 }
 

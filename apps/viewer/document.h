@@ -65,11 +65,13 @@ struct View {
   cli::AnnotationFlags marks;
   Rgb background = cli::kBackground;
   std::vector<AddedSurface> added;
-  bool added_edges = false;            // of the faces of all of them
-  cli::GeometryFlags slices;           // of it what is about slices
-  bool label_surfaces = true;          // of data that are labels, instead of the field
-  std::optional<LabelsBeside> labels;  // instead of those that the data may be
-  LabelEdits label_edits;              // of the labels that are drawn
+  bool added_edges = false;                      // of the faces of all of them
+  cli::GeometryFlags slices;                     // of it what is about slices
+  bool label_surfaces = true;                    // of data that are labels, instead of the field
+  std::optional<LabelsBeside> labels;            // instead of those that the data may be
+  LabelEdits label_edits;                        // of the labels that are drawn
+  std::optional<cli::SliceLabels> slice_labels;  // what slices show of them; none: as opened
+  bool are_labels_flat = false;                  // on slices alone
   std::vector<AddedVolume> volumes;
   std::vector<ChannelStyle> channels;  // of the channels that are shown, if so many are
   std::optional<SolidShape> solid;     // is shown instead of the mesh, as soon as it is made

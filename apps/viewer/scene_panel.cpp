@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "make_geometry.h"
+#include "make_labels.h"
 #include "panels.h"
 #include "start_page.h"
 
@@ -179,6 +180,24 @@ bool slice_editor(Panel& panel, const std::string& name, cli::SlicePlane& slice)
   return is_changed;
 }
 
+// What slices show of the labels that are drawn, if any are.
+bool labels_on_slices(Panel& panel) {
+  Document& document = panel.document;
+  View& view = document.view;
+  if (!document.shows_labels(view)) return false;
+  const LabelSurfaces labels = document.labels_of(view);
+  int shown = static_cast<int>(cli::shown_on_slices(labels));
+  bool is_changed = false;
+  if (panel.widgets.choice("scene.slice_labels", "labels", {"lines", "areas", "both", "none"},
+                           &shown)) {
+    view.slice_labels = static_cast<cli::SliceLabels>(shown);
+    is_changed = true;
+  }
+  is_changed |=
+      panel.widgets.checkbox("scene.flat_labels", "labels on slices alone", &view.are_labels_flat);
+  return is_changed;
+}
+
 // As two values, and as radiologists have them: how much, and about which.
 bool range_of_slices(Panel& panel) {
   const Document& document = panel.document;
@@ -256,6 +275,9 @@ bool slices_editor(Panel& panel) {
     is_changed = true;
   }
   widgets.tip("Of scans: values near the least, if a fifth of all are so low.");
+  is_changed |= widgets.checkbox("scene.outlines", "outlines", &look.has_outlines);
+  widgets.tip("A line where slices leave the data's box.");
+  is_changed |= labels_on_slices(panel);
   return is_changed;
 }
 

@@ -16,6 +16,7 @@
 
 #include "histogram.h"
 #include "make_geometry.h"
+#include "make_labels.h"
 #include "ovoid/error.h"
 #include "priority.h"
 #include "projection.h"
@@ -220,6 +221,7 @@ Scenery Worker::Impl::scenery_of(const Scene& scene, const std::stop_token& toke
   }
   std::vector<FieldSlice> slices =
       cli::make_slices(scene.slices, field, is_counted ? scene.extras->histogram : histogram);
+  cli::leave_slices_to_labels(all.labels, slices);
   std::move(slices.begin(), slices.end(), std::back_inserter(all.slices));
   return all;
 }

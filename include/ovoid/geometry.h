@@ -39,6 +39,9 @@ struct FieldSlice {
   double offset = 0;        // of the places x with dot(normal, x) == offset; world
   TransferFunction colors;  // of the values, or of what gives colour; without opacities opaque
   double opacity = 1;       // factor, in (0, 1]; where the field is not defined nothing is
+  // Of a line along where the plane leaves the field's box, 1/360 of the picture's shorter side
+  // wide, at least one and a half pixels; each in [0, 1].
+  std::optional<Rgb> outline{};
 
   // Throws Error(kInvalidArgument) that names what is wrong.
   void validate() const;

@@ -81,11 +81,16 @@ std::vector<LabelStyle> label_styles(const LabelMap& map,
 // one. Of labels that reach further than 2000 those that are near each other share a colour.
 Look label_look(const std::vector<LabelStyle>& styles);
 
-// The surfaces of a label map in a scene (Scenery).
+// The surfaces of a label map in a scene (Scenery), and what its slices show of them.
 struct LabelSurfaces {
   std::shared_ptr<const LabelMap> map;  // null: none
   std::vector<LabelStyle> styles;       // of each label once; others are not drawn
   bool shows_field_elsewhere = true;    // whether the field is drawn in other labels and outside
+  bool shows_surfaces = true;           // false: slices alone show those of an opacity > 0
+  // On slices, of labels of an opacity > 0: how opaque their outlines are, as wide as that of a
+  // slice (FieldSlice), and what they cover; each in [0, 1].
+  double slice_lines = 1;
+  double slice_areas = 0;
 
   // Throws Error(kInvalidArgument) that names what is wrong.
   void validate() const;

@@ -114,6 +114,11 @@ Look label_look(const std::vector<LabelStyle>& styles) {
 }
 
 void LabelSurfaces::validate() const {
+  for (const double opacity : {slice_lines, slice_areas}) {
+    if (!(opacity >= 0 && opacity <= 1))
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("labels: an opacity on slices is {}, expected 0 to 1", opacity));
+  }
   std::unordered_set<int> seen;
   for (const LabelStyle& style : styles) {
     if (!seen.insert(style.label).second) {

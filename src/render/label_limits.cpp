@@ -77,7 +77,7 @@ class RankStyles {
       if (at == labels.end() || *at != style.label) continue;
       const auto rank = static_cast<std::size_t>(at - labels.begin());
       colors[rank] = style.color;
-      opacities[rank] = style.opacity;
+      opacities[rank] = surfaces.shows_surfaces ? style.opacity : 0;
       shows_field[rank] = style.shows_field;
     }
     // What is hidden is one body, and what is opaque; what is see-through is each label by itself.

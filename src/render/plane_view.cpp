@@ -162,6 +162,20 @@ bool PlaneView::is_within_faces(const Vec3& at) const {
   return faces_.contains(box_from_world_ * at);
 }
 
+double PlaneView::pixels_within_faces(const PlaneHit& hit) const {
+  const Vec3 at = box_from_world_ * hit.at;
+  const Vec3 per_x = box_from_world_.linear() * hit.per_x;
+  const Vec3 per_y = box_from_world_.linear() * hit.per_y;
+  double least = std::numeric_limits<double>::infinity();
+  for (int a = 0; a < 3; ++a) {
+    const double within = std::min(at[a] - faces_.min()[a], faces_.max()[a] - at[a]);
+    // Along faces that the plane never meets nothing ends.
+    const double per_pixel = std::hypot(per_x[a], per_y[a]);
+    if (within < 0 || per_pixel > 0) least = std::min(least, within / per_pixel);
+  }
+  return least;
+}
+
 bool PlaneView::meets_box_beyond(const PlaneRay& ray, double depth) const {
   const Vec3 from = box_from_world_ * ray.origin;
   const Vec3 along = box_from_world_.linear() * ray.direction;

@@ -46,6 +46,8 @@ class PlaneView {
   // Inside of its faces: of a normalized lattice, those of the outermost cells, at which a field
   // without holes is still defined.
   bool is_within_faces(const Vec3& at) const;
+  // How far from the nearest of these faces, in the picture's pixels; outside of them < 0.
+  double pixels_within_faces(const PlaneHit& hit) const;
   // Whether a sample of the ray's part beyond a depth may lie in the box.
   bool meets_box_beyond(const PlaneRay& ray, double depth) const;
 

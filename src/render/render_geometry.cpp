@@ -17,11 +17,8 @@
 #include "render/label_limits.h"
 #include "render/limits_by_rows.h"
 #include "render/paint_surface.h"
-#include "render/plane_values.h"
-#include "render/plane_view.h"
+#include "render/slice_limits.h"
 #include "render/surface_light.h"
-#include "view/color_attribute.h"
-#include "view/look_table.h"
 
 namespace ovoid {
 namespace {
@@ -138,7 +135,7 @@ DepthLimits merged_limits(const std::vector<DepthLimits>& layers, const DepthLim
   return all;
 }
 
-// What surfaces and slices are drawn with: the field's clip planes and limits are not theirs.
+// What surfaces are drawn with: the field's clip planes and limits are not theirs.
 RenderOptions without_cuts(const RenderOptions& options) {
   RenderOptions whole = options;
   whole.clip_planes.clear();
@@ -155,45 +152,12 @@ DepthLimits layers_of(const Geometry& geometry, const Camera& camera, const Look
                                   threads, stop, light);
 }
 
-// The plane is in every pixel whose ray meets it where the field has a value.
-DepthLimits layers_of(const FieldSlice& slice, Renderer& renderer, const Field& field,
-                      const Camera& camera, const Look& look, const RenderOptions& options,
-                      const RenderHooks& hooks) {
-  const RenderOptions whole = without_cuts(options);
-  const PlaneView view(field, camera, {slice.normal, slice.offset, PlaneFront::kShown}, whole);
-  const std::vector<Vec3> footprint = view.is_met() ? view.footprint() : std::vector<Vec3>();
-  std::optional<PlaneValues> values;
-  if (footprint.size() >= 3) {
-    RenderHooks stopping;
-    stopping.stop = hooks.stop;
-    values.emplace(renderer, field, look, view, footprint, whole, stopping);
-  }
-  const DepthLimits* const limits = options.depth_limits.get();  // a mesh ends at its surface
-  const view::LookTable colors = view::colors_alone(slice.colors);
-  const bool is_opaque = slice.colors.opacities.empty();
-  const LimitsPlan plan{options.width, options.height, renderer.threads(), hooks.stop};
-  return limits_by_rows(plan, [&](int x, int y, auto& stops) {
-    const auto hit = values ? view.hit(x, y) : std::nullopt;
-    const bool is_within =
-        hit && (limits == nullptr || limits->shows_field_at(x, y, static_cast<float>(hit->depth)));
-    const auto value = is_within ? values->at(*hit) : std::nullopt;
-    if (!value) return;
-    const view::LookTable::Sample c = colors.at(*value);
-    const auto opacity =
-        static_cast<float>(slice.opacity * (is_opaque ? 1 : slice.colors.opacity_at(*value)));
-    stops.push_back({static_cast<float>(hit->depth),
-                     false,
-                     false,
-                     {opacity * c.r, opacity * c.g, opacity * c.b, opacity}});
-  });
-}
-
-// Whether a label is seen, or hides the field.
+// Whether a label's surface is seen, or it hides the field.
 bool changes_picture(const LabelSurfaces& labels) {
   if (labels.map == nullptr) return false;
   return !labels.shows_field_elsewhere ||
-         std::any_of(labels.styles.begin(), labels.styles.end(), [](const LabelStyle& style) {
-           return style.opacity > 0 || !style.shows_field;
+         std::any_of(labels.styles.begin(), labels.styles.end(), [&](const LabelStyle& style) {
+           return (labels.shows_surfaces && style.opacity > 0) || !style.shows_field;
          });
 }
 
@@ -236,6 +200,11 @@ void FieldSlice::validate() const {
   if (!(opacity > 0 && opacity <= 1))
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("slice.opacity = {}: must be in (0, 1]", opacity));
+  for (const double c : outline.value_or(Rgb{})) {
+    if (!(c >= 0 && c <= 1))
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("slice.outline: {} must be in [0, 1]", c));
+  }
 }
 
 DepthLimits limits_with(std::span<const Geometry> geometry, const Camera& camera, const Look& look,
@@ -270,7 +239,8 @@ Frame render_with_scenery(Renderer& renderer, const Field& field, const Camera& 
   const int threads = renderer.threads();
   std::vector<DepthLimits> layers;
   for (const FieldSlice& slice : scenery.slices)
-    layers.push_back(layers_of(slice, renderer, field, camera, look, options, hooks));
+    layers.push_back(
+        slice_limits(slice, scenery.labels, renderer, field, camera, look, options, hooks));
   // Valid until the renderer draws.
   const SurfaceLight light =
       scenery.geometry.empty() && !has_labels

@@ -63,6 +63,34 @@ TEST_F(LabelMaps, FlagsGiveColours) {
                               .rgba);
 }
 
+// A scan's slice with the outlines of its parts, and a map's in their colours.
+TEST_F(LabelMaps, SlicesShowThem) {
+  const std::string scan = folder_ / "scan.nrrd";
+  expect_success({"make", "head", "--size", "40", "-o", scan});
+  const Words flat = {"--labels",  map_,  "--label-table", table_,   "--slice", "axial",
+                      "--opacity", "0:0", "--flat-labels", "--view", "+z"};
+  const auto of_scan = [&](const Words& more) {
+    Words words = flat;
+    words.insert(words.end(), more.begin(), more.end());
+    return picture_of(scan, words);
+  };
+  const Picture none = of_scan({"--slice-labels", "none"});
+  EXPECT_NEAR(sum(none, 0), sum(none, 2), 1e-2);  // gray
+  const Picture lines = of_scan({});
+  EXPECT_EQ(lines.rgba, of_scan({"--slice-labels", "lines"}).rgba);
+  EXPECT_GT(sum(lines, 0), sum(lines, 1) + 20);  // skin's, which is the longest
+  const Picture areas = of_scan({"--slice-labels", "areas"});
+  EXPECT_GT(sum(areas, 2), sum(lines, 2) + 200);  // the brain
+  Words of_map = {"--label-table", table_, "--slice", "axial", "--flat-labels",
+                  "--view",        "+z",   "--zoom",  "0.5"};
+  const Picture map = picture_of(map_, of_map);
+  EXPECT_GT(sum(map, 2), 50);
+  of_map.emplace_back("--slice-outline=white");
+  EXPECT_GT(picture_of(map_, of_map).num_covered(), map.num_covered() + 50);
+  const Outcome lone = run({"render", scan, "--labels", map_, "--flat-labels", "-o", picture_});
+  EXPECT_NE(lone.err.find("no effect without --slice"), std::string::npos) << lone.err;
+}
+
 // Light and camera go by what shows: hidden labels cast no shade, and need no room.
 TEST_F(LabelMaps, HiddenLabelsAreNotThere) {
   const std::string alone = folder_ / "alone.nrrd";

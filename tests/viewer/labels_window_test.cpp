@@ -36,6 +36,22 @@ class WindowLabels : public OnScreen {
   static constexpr const char* kBegin = "pace 0\nwait idle\nclick tab.scene\n";
 };
 
+TEST_F(WindowLabels, SlicesShowThemAsTheCommandAndTheStateSay) {
+  const Viewed viewed =
+      view({make_scan(), "--labels", make_map(), "--slice", "coronal", "--opacity", "0:0"},
+           std::string(kBegin) +
+               "picture $/lines.png\nclick scene.flat_labels@0.05,0.5\nwait idle\n"
+               "expect scene.labels.are_flat == true\npicture $/flat.png\n"
+               "click scene.slice_labels\nclick scene.slice_labels/both\nwait idle\n" +
+               kSave);
+  EXPECT_FALSE(file("lines.png") == file("flat.png"));
+  EXPECT_FALSE(file("flat.png") == file("window.png"));
+  expect_same(viewed, "window.png", "s.json");
+  const std::string command = viewed.text("clipboard");
+  EXPECT_NE(command.find("--slice-labels both"), std::string::npos) << command;
+  EXPECT_NE(command.find("--flat-labels"), std::string::npos) << command;
+}
+
 TEST_F(WindowLabels, EditsAreThoseOfTheCommandAndTheState) {
   const Words words = {make_map(),  "--label-table", folder_ / "names.txt", "--label-opacity",
                        "brain=0.5", "--label-color", "eyes=#ffff00"};

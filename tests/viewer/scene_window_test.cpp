@@ -92,6 +92,7 @@ TEST_F(WindowScene, SlicesAreThoseOfTheCommandAndTheState) {
           "click scene.slice.0.offset@0.4,0.5\nwait idle\nprint scene.slice.0.offset\n"
           "picture $/2.png\nclick scene.slice.oblique\nclick scene.map\nclick scene.map/viridis\n"
           "click scene.opacity@0.8,0.5\nclick scene.clear@0.05,0.5\n"
+          "click scene.outlines@0.05,0.5\n"
           "click scene.range.usual@0.05,0.5\nexpect scene.has_range == true\n"
           "drag left scene.range.window -20,0\nwait idle\n" +
           kSave);
@@ -107,6 +108,7 @@ TEST_F(WindowScene, SlicesAreThoseOfTheCommandAndTheState) {
                                                 "expect scene.slices == 2\n"
                                                 "expect scene.map == viridis\n"
                                                 "expect scene.shows_empty == true\n"
+                                                "expect scene.outlines == true\n"
                                                 "expect scene.has_range == true\n"
                                                 "picture $/again.png\n");
   EXPECT_TRUE(file("again.png") == file("window.png"));

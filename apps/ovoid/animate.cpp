@@ -248,6 +248,7 @@ void note_order(const std::vector<std::string>& inputs, Session& session) {
 // The array that is drawn is the same in all steps; an array that is alone may change its name.
 void fix_array(const Dataset& dataset, const Modelled& modelled, ModelFlags* model) {
   const bool is_chosen = !model->array.empty() || model->kernels.is_density;
+  if (!is_chosen && draws_density(dataset, model->kernels)) model->kernels.is_density = true;
   if (is_chosen || dataset.arrays.size() < 2 || !find_array(dataset, modelled.array)) return;
   model->array = modelled.array;
 }

@@ -176,8 +176,9 @@ const Table<ModelFlags>& particle_settings() {
   using K = KernelModelOptions;
   static const Table<M> all = {
       {"--quantity", choice(kQuantities), at(&M::kernels, &K::is_density),
-       "the field: an array's mean, or mass per volume (default attribute; density where there "
-       "is no array)",
+       "the field: an array's mean, or mass per volume (default: density where no array is named "
+       "and particles have a mass but no density of their own, or nothing but places, numbers and "
+       "parts of vectors; else attribute)",
        kOfParticles},
       {"--radius-array", word("NAME"), at(&M::kernels, &K::radius_array),
        "smoothing lengths h; kernels end at 2 h (default: one called like one, else from "

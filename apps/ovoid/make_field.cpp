@@ -20,13 +20,19 @@ void note_choice(const Dataset& dataset, const std::string& chosen, Session& ses
     names += (names.empty() ? "" : ", ") + array.name;
     ++count;
   }
-  if (count > 1) session.note(fmt::format("array '{}' of {}; choose with --array", chosen, names));
+  if (find_array(dataset, chosen) == nullptr) {
+    if (count > 0) session.note(fmt::format("--array draws one of {}", names));
+  } else if (count > 1) {
+    session.note(fmt::format("array '{}' of {}; choose with --array", chosen, names));
+  }
 }
 
 // Particles may be drawn without any array.
 int component_to_draw(const Dataset& dataset, const ModelFlags& model, Session& session) {
   if (model.component != kUsualComponent) return model.component;
-  if (dataset.arrays.empty() || model.kernels.is_density) return 0;
+  KernelModelOptions options = model.kernels;
+  options.array = model.array;
+  if (dataset.arrays.empty() || draws_density(dataset, options)) return 0;
   const DataArray& array = dataset.array(model.array);
   const int component = component_of(array, model.component);
   if (component == LatticeModelOptions::kMagnitude) {
@@ -46,7 +52,8 @@ Modelled make_kernels(const Dataset& dataset, const ModelFlags& model, int threa
   made.field = make_kernel_field(dataset, options, &made.kernels, session.stop());
   made.array = made.kernels.array;
   made.color_array = made.kernels.color_array;
-  if (options.array.empty() && !options.is_density) note_choice(dataset, made.array, session);
+  if (options.array.empty() && !options.is_density.value_or(false))
+    note_choice(dataset, made.array, session);
   session.notes(made.kernels.notes);
   return made;
 }
@@ -73,7 +80,7 @@ int component_of(const DataArray& array, int component) {
 std::string array_to_read(const ModelFlags& model) {
   const KernelModelOptions& set = model.kernels;
   const bool is_alone = set.color_array.empty() && set.radius_array.empty() &&
-                        set.mass_array.empty() && !set.is_density;
+                        set.mass_array.empty() && !set.is_density.value_or(false);
   return is_alone ? model.array : "";
 }
 

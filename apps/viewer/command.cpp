@@ -221,7 +221,7 @@ cli::ModelFlags model_of(const Document& document) {
   const auto known = [&](const std::string& name) {
     return document.array_info(name) != nullptr ? name : "";
   };
-  model.kernels.is_density = shown.is_density;
+  model.kernels.is_density = shown.is_density ? std::optional(true) : std::nullopt;
   model.array = shown.is_density ? "" : known(shown.array);
   model.kernels.color_array = shown.color_array == shown.array ? "" : known(shown.color_array);
   // Said only where it is not what would be drawn anyway.

@@ -109,7 +109,9 @@ std::shared_ptr<Shown> make_shown(std::shared_ptr<const Dataset> dataset, const 
   made->array = made->subject.modelled.array;
   made->color_array = made->subject.modelled.color_array;
   made->component = made->subject.modelled.component;
-  made->is_density = drawing.model.kernels.is_density;
+  KernelModelOptions options = drawing.model.kernels;
+  options.array = drawing.model.array;
+  made->is_density = draws_density(*made->dataset, options);
   take_channels_of(drawing, *made);
   return made;
 }
@@ -371,7 +373,11 @@ void Loader::Impl::go_to(const TimeTask& task, const std::stop_token& token) {
   cli::DrawingFlags drawing = data->drawing;
   cli::ModelFlags& model = drawing.model;
   // The array by its name: at another time another one might vary first.
-  if (data->shown && !model.kernels.is_density) model.array = data->shown->array;
+  if (data->shown && data->shown->is_density) {
+    model.kernels.is_density = true;
+  } else if (data->shown) {
+    model.array = data->shown->array;
+  }
   auto made = shown_of(*data, drawing, time, own);
   made->channels.flags = data->drawing.look;
   made->channels.first_look = data->first_channel_look;

@@ -82,7 +82,9 @@ struct KernelModelOptions {
   int amplitude_passes = 3;  // w /= F^0.7 at the centres, F the sum of weights
 
   // Particles
-  bool is_density = false;  // the field is mass per volume of `mass_array`, not an attribute
+  // Whether the field is mass per volume, of `mass_array`, and not an attribute. None: as
+  // draws_density() finds best.
+  std::optional<bool> is_density{};
   // Smoothing lengths h, support 2 h; empty: one that is called like one (h, hsml,
   // SmoothingLength, smoothing_length), else from neighbours.
   std::string radius_array{};
@@ -92,6 +94,11 @@ struct KernelModelOptions {
   bool anisotropic = false;      // ellipsoids from the covariance of the neighbours
   KernelProfile profile = KernelProfile::kGaussian;
 };
+
+// Whether particles are drawn by their mass, or number, per volume: as the options say, and where
+// they name no array and say nothing if the particles have a mass without a density of their own,
+// or no array that says something by itself: numbers, places and parts of vectors do not.
+bool draws_density(const Dataset& dataset, const KernelModelOptions& options = {});
 
 // What the model stage found; reported by `ovoid info` and in notes.
 struct KernelModelReport {

@@ -52,6 +52,26 @@ bool is_bookkeeping(const DataArray& array) {
          std::find(kNames.begin(), kNames.end(), array.name) != kNames.end();
 }
 
+bool is_part_of_vector(const Dataset& dataset, const DataArray& array) {
+  if (array.num_components != 1) return false;
+  const auto has_array = [&](const std::string& name) {
+    return std::any_of(dataset.arrays.begin(), dataset.arrays.end(),
+                       [&](const DataArray& other) { return other.name == name; });
+  };
+  for (std::size_t i = 0; i < array.name.size(); ++i) {
+    for (const std::string_view axes : {"xyz", "XYZ"}) {
+      if (axes.find(array.name[i]) == std::string_view::npos) continue;
+      const bool has_all = std::all_of(axes.begin(), axes.end(), [&](char axis) {
+        std::string name = array.name;
+        name[i] = axis;
+        return has_array(name);
+      });
+      if (has_all) return true;
+    }
+  }
+  return false;
+}
+
 bool is_density(const DataArray& array) {
   constexpr std::array<std::string_view, 3> kDensities{"density", "rho", "mass_density"};
   return array.num_components == 1 && has_name(kDensities, array.name);

@@ -15,6 +15,9 @@ bool is_bookkeeping(const DataArray& array);
 // what is no lattice, particles' places once more, and the shapes of stored kernels.
 bool is_bookkeeping(const Dataset& dataset, const DataArray& array);
 
+// One of three columns that hold a vector, as vx does beside vy and vz: says little by itself.
+bool is_part_of_vector(const Dataset& dataset, const DataArray& array);
+
 // What most people look at first, by its name.
 bool is_density(const DataArray& array);
 

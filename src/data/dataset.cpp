@@ -76,6 +76,12 @@ const DataArray& Dataset::array(const std::string& name) const& {
       return kind != DatasetKind::kLattice && kind != DatasetKind::kMesh && data::is_density(a) &&
              data::varies(a);
     });
+    if (found == arrays.end()) {
+      found = find([this](const DataArray& a) {
+        return !a.is_cell_data && data::varies(a) &&
+               !(kind == DatasetKind::kParticles && data::is_part_of_vector(*this, a));
+      });
+    }
     if (found == arrays.end())
       found = find([](const DataArray& a) { return !a.is_cell_data && data::varies(a); });
     if (found == arrays.end())

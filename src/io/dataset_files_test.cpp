@@ -274,7 +274,7 @@ TEST(DatasetFiles, ReadErrors) {
       "VTK, "
       "VTKHDF, "
       "Exodus, "
-      "EnSight, XDMF, Enzo, STL, OBJ, "
+      "EnSight, XDMF, Enzo, STL, OBJ, glTF, "
       "PLOT3D, HDF5, CSV and other text, NPZ, PLY, LAMMPS dump, DICOM, or raw samples with "
       "dimensions and type";
   expect("missing.nrrd", "file-not-found", "no such file");

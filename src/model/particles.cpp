@@ -47,24 +47,23 @@ const DataArray* find_called(const Dataset& dataset, std::initializer_list<const
   return nullptr;
 }
 
+const DataArray* find_mass(const Dataset& dataset) {
+  return find_called(dataset, {"m", "mass", "Mass", "masses", "Masses"});
+}
+
 ParticleRoles find_roles(const ModelRun& run) {
   const Dataset& dataset = run.dataset;
   const KernelModelOptions& options = run.options;
   ParticleRoles roles;
-  // What is left when numbers and places are set aside may be nothing.
-  const bool has_values =
-      std::any_of(dataset.arrays.begin(), dataset.arrays.end(),
-                  [&](const DataArray& array) { return !data::is_bookkeeping(dataset, array); });
-  roles.is_density =
-      options.is_density || (options.array.empty() && options.color_array.empty() && !has_values);
+  roles.is_density = draws_density(dataset, options);
   roles.radius = !options.radius_array.empty()
                      ? &dataset.array(options.radius_array)
                      : find_called(dataset, {"h", "hsml", "Hsml", "SmoothingLength",
                                              "smoothing_length", "radii"});
-  if (!options.mass)
-    roles.mass = !options.mass_array.empty()
-                     ? &dataset.array(options.mass_array)
-                     : find_called(dataset, {"m", "mass", "Mass", "masses", "Masses"});
+  if (!options.mass) {
+    roles.mass =
+        !options.mass_array.empty() ? &dataset.array(options.mass_array) : find_mass(dataset);
+  }
   roles.density = find_called(dataset, {"rho", "density", "Density"});
   return roles;
 }
@@ -359,9 +358,12 @@ void add_images(const ModelRun& run, KernelParts& parts, const Bounds3& box) {
 
 KernelParts particle_kernels(const ModelRun& run) {
   const ParticleRoles roles = find_roles(run);
-  if (roles.is_density && !run.options.is_density)
-    run.report.notes.emplace_back(
-        "the particles have no arrays; the field is their number per volume");
+  if (roles.is_density && !run.options.is_density) {
+    run.report.notes.push_back(
+        fmt::format("{}; the field is the particles' {} per volume",
+                    run.dataset.arrays.empty() ? "there are no arrays" : "no array is named",
+                    roles.mass != nullptr || run.options.mass ? "mass" : "number"));
+  }
   ParticleColumns columns = load_particle_columns(run, roles);
   ParticleSites sites = choose_particles(run, roles, columns);
   KernelParts parts;
@@ -399,3 +401,22 @@ KernelParts particle_kernels(const ModelRun& run) {
 }
 
 }  // namespace ovoid::model
+
+namespace ovoid {
+
+bool draws_density(const Dataset& dataset, const KernelModelOptions& options) {
+  if (dataset.kind != DatasetKind::kParticles) return false;
+  if (options.is_density) return *options.is_density;
+  if (!options.array.empty() || !options.color_array.empty()) return false;
+  const auto any = [&](const auto& is_wanted) {
+    return std::any_of(dataset.arrays.begin(), dataset.arrays.end(), is_wanted);
+  };
+  const bool has_mass =
+      options.mass || !options.mass_array.empty() || model::find_mass(dataset) != nullptr;
+  if (has_mass && !any([](const DataArray& array) { return data::is_density(array); })) return true;
+  return !any([&](const DataArray& array) {
+    return !data::is_bookkeeping(dataset, array) && !data::is_part_of_vector(dataset, array);
+  });
+}
+
+}  // namespace ovoid

@@ -82,6 +82,40 @@ TEST(ParticleKernels, PeriodicBoxWraps) {
   }
 }
 
+// What is drawn of particles whose owner names no array.
+TEST(ParticleKernels, DensityIsTheDefaultOfWhatHasAMass) {
+  const auto cloud = [](const std::vector<std::string>& names) {
+    Dataset dataset = cloud_dataset({{0, 0, 0}, {0.3, 0.1, 0}, {0.1, 0.2, 0.4}});
+    dataset.arrays.clear();
+    for (const std::string& name : names) add_array(dataset, name, {1, 2, 4});
+    return dataset;
+  };
+  EXPECT_TRUE(draws_density(cloud({})));
+  EXPECT_TRUE(draws_density(cloud({"age", "mass"})));
+  EXPECT_TRUE(draws_density(cloud({"PartType0/age", "PartType0/Masses"})));
+  EXPECT_TRUE(draws_density(cloud({"vx", "vy", "vz", "id"})));
+  EXPECT_TRUE(draws_density(cloud({"age"}), {.is_density = true}));
+  EXPECT_TRUE(draws_density(cloud({"age"}), {.mass = 2.0}));
+  EXPECT_FALSE(draws_density(cloud({"age"})));
+  EXPECT_FALSE(draws_density(cloud({"vx", "vy", "vz", "T"})));
+  EXPECT_FALSE(draws_density(cloud({"vx", "vz"})));
+  EXPECT_FALSE(draws_density(cloud({"mass", "rho"})));  // has one of its own
+  EXPECT_FALSE(draws_density(cloud({"age", "mass"}), {.array = "age"}));
+  EXPECT_FALSE(draws_density(cloud({"age", "mass"}), {.color_array = "age"}));
+  EXPECT_FALSE(draws_density(cloud({"age", "mass"}), {.is_density = false}));
+  Dataset mesh = cloud({"age", "mass"});
+  mesh.kind = DatasetKind::kMesh;
+  EXPECT_FALSE(draws_density(mesh));
+  KernelModelReport report;
+  const KernelField field = make_kernel_field(cloud({"age", "mass"}), {}, &report);
+  EXPECT_EQ(report.array, "density");
+  EXPECT_EQ(field.reconstruction(), Reconstruction::kSum);
+  ASSERT_EQ(report.notes.size(), 1U);
+  EXPECT_NE(report.notes[0].find("mass per volume"), std::string::npos) << report.notes[0];
+  make_kernel_field(cloud({"vx", "vy", "vz", "T"}), {}, &report);
+  EXPECT_EQ(report.array, "T");
+}
+
 // Mass is kept: the density integrates to the sum of masses, with every profile. On a grid of step
 // s a smooth kernel's sum errs far less than the bound.
 TEST(ParticleKernels, DensityIntegratesToTheMass) {

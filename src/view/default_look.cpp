@@ -433,7 +433,7 @@ constexpr DepthAt kShapeDepths[] = {
 // What fills its box, as adaptive grids do: half of it is the background of the rest.
 constexpr DepthAt kBoxDepths[] = {{0.1, 0}, {0.5, 0.3}, {0.8, 0.08}, {0.95, 0.03}, {0.999, 0.012}};
 // Sums fade out at their low end, where they are mostly space.
-constexpr DepthAt kSumDepths[] = {{0.02, 0}, {0.3, 0.35}, {0.7, 0.1}, {0.95, 0.03}, {0.999, 0.012}};
+constexpr DepthAt kSumDepths[] = {{0.02, 0}, {0.3, 0.9}, {0.7, 0.3}, {0.95, 0.05}, {0.999, 0.012}};
 
 // Half by value, half by rank: where most values are alike, colours still tell them apart.
 void spread_by_rank(TransferFunction& tf, std::span<const float> rising, double q_lo, double q_hi) {

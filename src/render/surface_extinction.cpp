@@ -1,0 +1,407 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: surfaces, and a lattice. Out: the lattice, grown to hold them, and what they absorb in each
+// cell that they pass through.
+//
+// Along each axis of the lattice 16 rays go through every column of cells, and meet triangles.
+// Columns are dealt out in bands: a task collects what the rays of a band cross, puts it in order by
+// column, and adds what comes of a column to its cells. The columns of one axis share no cells, and
+// axes follow each other, so that the number of threads cannot be seen in the sums.
+#include "render/surface_extinction.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "data/parallel.h"
+
+namespace ovoid {
+namespace {
+
+constexpr int kRaysOfColumn = 16;
+constexpr std::int64_t kBands = 16;
+// Cells behind each other that are covered as one: a surface across the axis, up to 45 degrees
+// from it, passes through at most three of a column.
+constexpr std::int64_t kMostCovered = 4;
+// Cells around surfaces: they are spread into one, and their light is read two away (kEdgesAway).
+constexpr double kRoom = 3;
+constexpr double kGoldenShift = 0.6180339887498949;  // its multiples' fractions are spread evenly
+
+// A surface in cells' coordinates, in which cell (i, j, k) is the cube from (i, j, k) on.
+struct CellSurface {
+  const Surface* surface;
+  float through;  // of light, through a layer
+  std::vector<Vec3> places;
+
+  // Whether it can be met.
+  bool has(const Surface::Triangle& triangle) const {
+    return std::all_of(triangle.values.begin(), triangle.values.end(),
+                       [](float value) { return !std::isnan(value); }) &&
+           std::all_of(triangle.corners.begin(), triangle.corners.end(),
+                       [&](std::uint32_t corner) { return places[corner].allFinite(); });
+  }
+};
+
+// Of a cell: the mean number of crossings along each axis, of the products of the normals'
+// components, and what these come to.
+struct CellSums {
+  std::array<float, 3> crossings{};
+  std::array<float, 3> products{};  // yz, zx, xy
+  float depth = 0;                  // crossings times optical depth, over the axes
+};
+
+// A ray of a column meets a surface.
+struct Crossing {
+  std::uint32_t column;  // of the band
+  std::int32_t cell;     // along the axis
+  std::uint8_t ray;
+  float through;
+  float next, other;  // components of the normal along the two other axes; it points forward
+};
+
+// The lattice's axes as one walk goes: along rays, from ray to ray of a row, from row to row.
+struct WalkAxes {
+  int along, next, other;
+};
+constexpr std::array<WalkAxes, 3> kWalks = {{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}}};
+
+class ColumnWalk {
+ public:
+  ColumnWalk(const std::vector<CellSurface>& surfaces, const Index3& dims, const WalkAxes& axes,
+             std::vector<CellSums>& sums)
+      : surfaces_(surfaces),
+        axes_(axes),
+        depth_(dim(dims, axes.along)),
+        width_(dim(dims, axes.next)),
+        height_(dim(dims, axes.other)),
+        rows_of_band_((height_ + kBands - 1) / kBands),
+        sums_(sums) {
+    const std::array<std::int64_t, 3> strides{1, dims[0], dims[0] * dims[1]};
+    stride_along_ = strides[static_cast<std::size_t>(axes.along)];
+    stride_next_ = strides[static_cast<std::size_t>(axes.next)];
+    stride_other_ = strides[static_cast<std::size_t>(axes.other)];
+  }
+
+  std::int64_t num_bands() const { return (height_ + rows_of_band_ - 1) / rows_of_band_; }
+
+  void add_band(std::int64_t band, const std::stop_token& stop) const {
+    const std::int64_t begin = band * rows_of_band_;
+    const std::int64_t end = std::min(height_, begin + rows_of_band_);
+    std::vector<Crossing> crossings;
+    for (const CellSurface& surface : surfaces_) {
+      std::size_t number = 0;
+      for (const Surface::Triangle& triangle : surface.surface->triangles) {
+        constexpr std::size_t kBetweenLooks = 1 << 16;
+        if (++number % kBetweenLooks == 0 && stop.stop_requested()) return;
+        const std::array<const Vec3*, 3> corners{&surface.places[triangle.corners[0]],
+                                                 &surface.places[triangle.corners[1]],
+                                                 &surface.places[triangle.corners[2]]};
+        const auto [lo, hi] =
+            std::minmax({(*corners[0])[axes_.other], (*corners[1])[axes_.other],
+                         (*corners[2])[axes_.other]});
+        if (!(hi >= static_cast<double>(begin) && lo <= static_cast<double>(end))) continue;
+        if (surface.has(triangle)) cross(corners, surface.through, begin, end, crossings);
+      }
+    }
+    add_columns(begin, end, crossings);
+  }
+
+ private:
+  static std::int64_t dim(const Index3& dims, int axis) {
+    return dims[static_cast<std::size_t>(axis)];
+  }
+
+  // Where rows of rays meet a triangle: half open, and sides that triangles share are at the same
+  // places for both, so that a ray between them meets one.
+  void cross(const std::array<const Vec3*, 3>& corners, float through, std::int64_t begin,
+             std::int64_t end, std::vector<Crossing>& crossings) const {
+    const Vec3 across = (*corners[1] - *corners[0]).cross(*corners[2] - *corners[0]);
+    const double length = across.norm();
+    const double facing = across[axes_.along];
+    if (!(length > 0) || facing == 0) return;
+    const double forward = (facing > 0 ? 1 : -1) / length;
+    Crossing crossing{0, 0, 0, through, static_cast<float>(across[axes_.next] * forward),
+                      static_cast<float>(across[axes_.other] * forward)};
+    const auto [lowest, highest] = std::minmax(
+        {(*corners[0])[axes_.along], (*corners[1])[axes_.along], (*corners[2])[axes_.along]});
+    const auto [first, last] = std::minmax(
+        {(*corners[0])[axes_.other], (*corners[1])[axes_.other], (*corners[2])[axes_.other]});
+    const auto row_from = [&](double at) {
+      const double row = std::ceil(at * kRaysOfColumn - 0.5);
+      return static_cast<std::int64_t>(std::clamp(row, static_cast<double>(begin * kRaysOfColumn),
+                                                  static_cast<double>(end * kRaysOfColumn)));
+    };
+    const std::int64_t row_end = row_from(last);
+    for (std::int64_t row = row_from(first); row < row_end; ++row) {
+      const double at = (static_cast<double>(row) + 0.5) / kRaysOfColumn;
+      const auto [left, right] = span_at(corners, at);
+      const double turns = static_cast<double>(row) * kGoldenShift;
+      const double shift = turns - std::floor(turns);
+      const double from = std::clamp(std::ceil(left - shift), 0.0, static_cast<double>(width_));
+      const double to = std::clamp(std::ceil(right - shift), 0.0, static_cast<double>(width_));
+      crossing.ray = static_cast<std::uint8_t>(row % kRaysOfColumn);
+      const std::int64_t column = (row / kRaysOfColumn - begin) * width_;
+      for (auto i = static_cast<std::int64_t>(from); i < static_cast<std::int64_t>(to); ++i) {
+        const double next = static_cast<double>(i) + shift - (*corners[0])[axes_.next];
+        const double other = at - (*corners[0])[axes_.other];
+        const double place = (*corners[0])[axes_.along] -
+                             (across[axes_.next] * next + across[axes_.other] * other) / facing;
+        const double cell = std::floor(std::clamp(place, lowest, highest));
+        if (!(cell >= 0 && cell < static_cast<double>(depth_))) continue;
+        crossing.cell = static_cast<std::int32_t>(cell);
+        crossing.column = static_cast<std::uint32_t>(column + i);
+        crossings.push_back(crossing);
+      }
+    }
+  }
+
+  // From where to where a triangle's row goes; nowhere: both are the same.
+  std::pair<double, double> span_at(const std::array<const Vec3*, 3>& corners, double at) const {
+    double left = std::numeric_limits<double>::infinity(), right = -left;
+    for (std::size_t side = 0; side < 3; ++side) {
+      const Vec3* low = corners[side];
+      const Vec3* high = corners[(side + 1) % 3];
+      if ((*low)[axes_.other] > (*high)[axes_.other]) std::swap(low, high);
+      if (!((*low)[axes_.other] <= at && at < (*high)[axes_.other])) continue;
+      const double share =
+          (at - (*low)[axes_.other]) / ((*high)[axes_.other] - (*low)[axes_.other]);
+      const double place = std::lerp((*low)[axes_.next], (*high)[axes_.next], share);
+      left = std::min(left, place);
+      right = std::max(right, place);
+    }
+    return left <= right ? std::pair(left, right) : std::pair(0.0, 0.0);
+  }
+
+  void add_columns(std::int64_t begin, std::int64_t end,
+                   const std::vector<Crossing>& crossings) const {
+    const auto num_columns = static_cast<std::size_t>((end - begin) * width_);
+    std::vector<std::size_t> first(num_columns + 1, 0);
+    for (const Crossing& crossing : crossings) ++first[crossing.column + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    std::vector<Crossing> ordered(crossings.size());
+    std::vector<std::size_t> to(first.begin(), first.end() - 1);
+    for (const Crossing& crossing : crossings) ordered[to[crossing.column]++] = crossing;
+    Column column(static_cast<std::size_t>(depth_));
+    for (std::size_t i = 0; i < num_columns; ++i) {
+      if (first[i] == first[i + 1]) continue;
+      const auto at = static_cast<std::int64_t>(i);
+      column.fill(std::span(ordered).subspan(first[i], first[i + 1] - first[i]));
+      add(column, (begin + at / width_) * stride_other_ + at % width_ * stride_next_);
+    }
+  }
+
+  // What its rays cross, cell by cell.
+  struct Column {
+    std::vector<float> crossings, depth, next, other;
+    std::int64_t lo = 0, hi = 0;  // cells in which something is
+
+    explicit Column(std::size_t count)
+        : crossings(count, 0.0F), depth(count, 0.0F), next(count, 0.0F), other(count, 0.0F) {}
+
+    void fill(std::span<Crossing> crossed) {
+      std::stable_sort(crossed.begin(), crossed.end(),
+                       [](const Crossing& a, const Crossing& b) { return a.cell < b.cell; });
+      constexpr float kShare = 1.0F / kRaysOfColumn;
+      for (const Crossing& one : crossed) {
+        const auto k = static_cast<std::size_t>(one.cell);
+        crossings[k] += kShare;
+        next[k] += kShare * one.next;
+        other[k] += kShare * one.other;
+      }
+      for (std::size_t i = 0; i < crossed.size();) {
+        std::size_t behind = i + 1;
+        while (behind < crossed.size() && crossed[behind].cell <= crossed[behind - 1].cell + 1)
+          ++behind;
+        cover(crossed.subspan(i, behind - i));
+        i = behind;
+      }
+      lo = crossed.front().cell;
+      hi = crossed.back().cell + 1;
+      spread();
+    }
+
+   private:
+    // Cells behind each other, all of which surfaces pass through, a few at a time.
+    void cover(std::span<const Crossing> run) {
+      const std::int64_t begin = run.front().cell;
+      const std::int64_t count = run.back().cell + 1 - begin;
+      const std::int64_t parts = (count + kMostCovered - 1) / kMostCovered;
+      for (std::int64_t part = 0; part < parts; ++part) {
+        const std::int64_t from = begin + count * part / parts;
+        const std::int64_t to = begin + count * (part + 1) / parts;
+        const auto is_before = [](const Crossing& one, std::int64_t cell) { return one.cell < cell; };
+        cover_part({std::lower_bound(run.begin(), run.end(), from, is_before),
+                    std::lower_bound(run.begin(), run.end(), to, is_before)},
+                   from, to);
+      }
+    }
+
+    // What each ray crosses lets light through; what the rays let through together is the part's.
+    void cover_part(std::span<const Crossing> part, std::int64_t from, std::int64_t to) {
+      std::array<float, kRaysOfColumn> through;
+      through.fill(1);
+      for (const Crossing& one : part) through[one.ray] *= one.through;
+      const double mean = std::accumulate(through.begin(), through.end(), 0.0) / kRaysOfColumn;
+      const double all = -std::log(std::max(mean, std::exp(-kOpaqueExtinction)));
+      const double of_each = all * kRaysOfColumn / static_cast<double>(part.size());
+      for (std::int64_t k = from; k < to; ++k) {
+        const auto at = static_cast<std::size_t>(k);
+        depth[at] = static_cast<float>(of_each * crossings[at]);
+      }
+    }
+
+    // A quarter of each cell to either side, so that what lies aslant has no gaps.
+    void spread() {
+      const auto count = static_cast<std::int64_t>(depth.size());
+      const std::int64_t begin = std::max<std::int64_t>(0, lo - 1);
+      const std::int64_t end = std::min(count, hi + 1);
+      for (std::vector<float>* const line : {&crossings, &depth, &next, &other}) {
+        float before = 0;
+        for (std::int64_t k = begin; k < end; ++k) {
+          const auto at = static_cast<std::size_t>(k);
+          const float own = (*line)[at];
+          const float behind = k + 1 < count ? (*line)[at + 1] : 0.0F;
+          (*line)[at] = 0.25F * (before + 2 * own + behind);
+          before = own;
+        }
+      }
+      lo = begin;
+      hi = end;
+    }
+  };
+
+  // Adds to the cells from `first` on, and empties the column.
+  void add(Column& column, std::int64_t first) const {
+    for (std::int64_t k = column.lo; k < column.hi; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      CellSums& sums = sums_[static_cast<std::size_t>(first + k * stride_along_)];
+      sums.crossings[static_cast<std::size_t>(axes_.along)] = column.crossings[at];
+      sums.depth += column.crossings[at] * column.depth[at];
+      // A product of two axes has the place of the third, and is the mean of what both say.
+      sums.products[static_cast<std::size_t>(axes_.other)] += 0.5F * column.next[at];
+      sums.products[static_cast<std::size_t>(axes_.next)] += 0.5F * column.other[at];
+      column.crossings[at] = column.depth[at] = column.next[at] = column.other[at] = 0;
+    }
+  }
+
+  const std::vector<CellSurface>& surfaces_;
+  const WalkAxes axes_;
+  const std::int64_t depth_, width_, height_, rows_of_band_;
+  std::int64_t stride_along_ = 1, stride_next_ = 1, stride_other_ = 1;
+  std::vector<CellSums>& sums_;
+};
+
+// As along all axes the same: the depth of a crossing, and the area of what is crossed.
+CrossedCell crossed_cell(const CellSums& sums, const std::array<std::int32_t, 3>& cell) {
+  CrossedCell out{cell, {}};
+  const auto& n = sums.crossings;
+  const float squares = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  const float each = sums.depth / squares;
+  const float area = std::sqrt(squares);
+  for (std::size_t a = 0; a < 3; ++a) {
+    out.form[a] = each * each * n[a] * n[a];
+    const float most = each * each * n[(a + 1) % 3] * n[(a + 2) % 3];
+    out.form[3 + a] = std::clamp(each * each * area * sums.products[a], -most, most);
+  }
+  return out;
+}
+
+// In cells, without those whose light nobody asks for.
+Bounds3 bounds_of(const std::vector<CellSurface>& surfaces, const Bounds3& most) {
+  Bounds3 all;
+  for (const CellSurface& surface : surfaces) {
+    Bounds3 box;
+    for (const Vec3& place : surface.places) {
+      if (place.allFinite()) box.extend(place);
+    }
+    if (box.isEmpty()) continue;
+    box = Bounds3(box.min() - Vec3::Constant(kRoom), box.max() + Vec3::Constant(kRoom));
+    if (box.intersects(most)) all.extend(box);
+  }
+  return all;
+}
+
+std::int64_t cells_with(const Index3& dims, const GrownSides& sides, std::int64_t most) {
+  std::int64_t cells = 1;
+  for (std::size_t a = 0; a < 3; ++a)
+    cells *= dims[a] + std::min(sides.before[a], most) + std::min(sides.behind[a], most);
+  return cells;
+}
+
+// How many more cells the surfaces need, and how many of these there can be.
+GrownSides sides_for(const std::vector<CellSurface>& surfaces, const Index3& dims) {
+  const std::int64_t longest = std::max({dims[0], dims[1], dims[2]});
+  std::int64_t most = longest / 2;
+  const Vec3 size(static_cast<double>(dims[0]), static_cast<double>(dims[1]),
+                  static_cast<double>(dims[2]));
+  const Vec3 room = Vec3::Constant(static_cast<double>(most));
+  const Bounds3 box = bounds_of(surfaces, Bounds3(-room, size + room));
+  GrownSides sides;
+  if (box.isEmpty()) return sides;
+  const auto needed = [&](double beyond) {
+    return static_cast<std::int64_t>(std::clamp(std::ceil(beyond), 0.0, 1.0e6));
+  };
+  for (std::size_t a = 0; a < 3; ++a) {
+    const int axis = static_cast<int>(a);
+    sides.before[a] = needed(-box.min()[axis]);
+    sides.behind[a] = needed(box.max()[axis] - size[axis]);
+  }
+  const std::int64_t limit = std::max(kMostCellsWithSurfaces, 2 * dims[0] * dims[1] * dims[2]);
+  while (most > 0 && cells_with(dims, sides, most) > limit) --most;
+  const auto cut = [](std::int64_t& cells, std::int64_t to) {
+    return cells > to ? (cells = to, true) : false;
+  };
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::int64_t room_of_axis = std::max<std::int64_t>(0, kMostCellsOfAll - dims[a]);
+    sides.is_cut_before[a] = cut(sides.before[a], std::min(most, room_of_axis / 2));
+    sides.is_cut_behind[a] = cut(sides.behind[a], std::min(most, room_of_axis / 2));
+  }
+  return sides;
+}
+
+std::vector<CellSurface> surfaces_in_cells(std::span<const Geometry> geometry,
+                                           const ExtinctionLattice& lattice) {
+  const Affine3 cell_from_world = lattice.world_from_cell.inverse();
+  std::vector<CellSurface> surfaces;
+  for (const Geometry& one : geometry) {
+    CellSurface surface{one.surface.get(), static_cast<float>(1 - one.opacity), {}};
+    surface.places.reserve(one.surface->places.size());
+    for (const Vec3& place : one.surface->places)
+      surface.places.push_back(cell_from_world * place + Vec3::Constant(0.5));
+    surfaces.push_back(std::move(surface));
+  }
+  return surfaces;
+}
+
+}  // namespace
+
+GrownSides add_surfaces(std::span<const Geometry> geometry, int threads,
+                        const std::stop_token& stop, ExtinctionLattice& lattice) {
+  std::vector<CellSurface> surfaces = surfaces_in_cells(geometry, lattice);
+  const GrownSides sides = sides_for(surfaces, lattice.dims);
+  lattice = grown(lattice, sides.before, sides.behind);
+  const Vec3 moved(static_cast<double>(sides.before[0]), static_cast<double>(sides.before[1]),
+                   static_cast<double>(sides.before[2]));
+  for (CellSurface& surface : surfaces) {
+    for (Vec3& place : surface.places) place += moved;
+  }
+  std::vector<CellSums> sums(lattice.extinction.size());
+  for (const WalkAxes& axes : kWalks) {
+    const ColumnWalk walk(surfaces, lattice.dims, axes, sums);
+    data::parallel_ranges({walk.num_bands(), 1, threads, stop},
+                          [&](std::int64_t band, std::int64_t) { walk.add_band(band, stop); });
+  }
+  std::size_t at = 0;
+  for (std::int32_t z = 0; z < lattice.dims[2]; ++z) {
+    for (std::int32_t y = 0; y < lattice.dims[1]; ++y) {
+      for (std::int32_t x = 0; x < lattice.dims[0]; ++x, ++at) {
+        if (sums[at].depth > 0) lattice.crossed.push_back(crossed_cell(sums[at], {x, y, z}));
+      }
+    }
+  }
+  return sides;
+}
+
+}  // namespace ovoid

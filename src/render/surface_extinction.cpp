@@ -44,12 +44,16 @@ struct CellSurface {
   }
 };
 
-// Of a cell: the mean number of crossings along each axis, of the products of the normals'
-// components, and what these come to.
+// Of a cell.
 struct CellSums {
-  std::array<float, 3> crossings{};
-  std::array<float, 3> products{};  // yz, zx, xy
-  float depth = 0;                  // crossings times optical depth, over the axes
+  std::array<float, 3> crossings{};  // along each axis: of a ray, on average
+  std::array<float, 3> products{};   // of the normals' components there: yz, zx, xy
+  float depth = 0;                   // optical, times crossings, over the axes
+
+  float squares() const {
+    return crossings[0] * crossings[0] + crossings[1] * crossings[1] +
+           crossings[2] * crossings[2];
+  }
 };
 
 // A ray of a column meets a surface.
@@ -212,14 +216,13 @@ class ColumnWalk {
       }
       for (std::size_t i = 0; i < crossed.size();) {
         std::size_t behind = i + 1;
-        while (behind < crossed.size() && crossed[behind].cell <= crossed[behind - 1].cell + 1)
+        while (behind < crossed.size() && crossed[behind].cell <= crossed[behind - 1].cell + 2)
           ++behind;
         cover(crossed.subspan(i, behind - i));
         i = behind;
       }
       lo = crossed.front().cell;
       hi = crossed.back().cell + 1;
-      spread();
     }
 
    private:
@@ -251,25 +254,6 @@ class ColumnWalk {
         depth[at] = static_cast<float>(of_each * crossings[at]);
       }
     }
-
-    // A quarter of each cell to either side, so that what lies aslant has no gaps.
-    void spread() {
-      const auto count = static_cast<std::int64_t>(depth.size());
-      const std::int64_t begin = std::max<std::int64_t>(0, lo - 1);
-      const std::int64_t end = std::min(count, hi + 1);
-      for (std::vector<float>* const line : {&crossings, &depth, &next, &other}) {
-        float before = 0;
-        for (std::int64_t k = begin; k < end; ++k) {
-          const auto at = static_cast<std::size_t>(k);
-          const float own = (*line)[at];
-          const float behind = k + 1 < count ? (*line)[at + 1] : 0.0F;
-          (*line)[at] = 0.25F * (before + 2 * own + behind);
-          before = own;
-        }
-      }
-      lo = begin;
-      hi = end;
-    }
   };
 
   // Adds to the cells from `first` on, and empties the column.
@@ -293,19 +277,77 @@ class ColumnWalk {
   std::vector<CellSums>& sums_;
 };
 
-// As along all axes the same: the depth of a crossing, and the area of what is crossed.
-CrossedCell crossed_cell(const CellSums& sums, const std::array<std::int32_t, 3>& cell) {
-  CrossedCell out{cell, {}};
-  const auto& n = sums.crossings;
-  const float squares = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-  const float each = sums.depth / squares;
-  const float area = std::sqrt(squares);
-  for (std::size_t a = 0; a < 3; ++a) {
-    out.form[a] = each * each * n[a] * n[a];
-    const float most = each * each * n[(a + 1) % 3] * n[(a + 2) % 3];
-    out.form[3 + a] = std::clamp(each * each * area * sums.products[a], -most, most);
+// What a cell absorbs: as along all axes the same, the depth of a crossing.
+struct SpreadSums {
+  std::array<float, 3> crossings{}, products{};
+  float area = 0, depth = 0;  // of what is crossed, and of that area
+
+  void add(const CellSums& sums, float share) {
+    const float squares = sums.squares();
+    const float own_area = share * std::sqrt(squares);
+    area += own_area;
+    depth += own_area * sums.depth / squares;
+    for (std::size_t a = 0; a < 3; ++a) {
+      crossings[a] += share * sums.crossings[a];
+      products[a] += share * sums.products[a];
+    }
   }
-  return out;
+
+  CrossedCell crossed_cell(const std::array<std::int32_t, 3>& cell) const {
+    CrossedCell out{cell, {}};
+    const float each = depth / area;
+    for (std::size_t a = 0; a < 3; ++a) {
+      out.form[a] = each * each * crossings[a] * crossings[a];
+      const float most = each * each * crossings[(a + 1) % 3] * crossings[(a + 2) % 3];
+      out.form[3 + a] = std::clamp(each * depth * products[a], -most, most);
+    }
+    return out;
+  }
+};
+
+// Half of each cell goes to its neighbours, most along the axes that it is crossed most along, so
+// that what lies aslant has no gaps.
+std::vector<CrossedCell> spread(const std::vector<CellSums>& sums, const Index3& dims) {
+  const std::array<std::int64_t, 3> strides{1, dims[0], dims[0] * dims[1]};
+  constexpr std::int32_t kNone = -1;
+  constexpr float kLeastShare = 0.005F;  // without which nothing would be seen to be missing
+  std::vector<std::int32_t> number(sums.size(), kNone);
+  std::vector<SpreadSums> spread_sums;
+  const auto add = [&](std::int64_t cell, const CellSums& own, float share) {
+    std::int32_t& at = number[static_cast<std::size_t>(cell)];
+    if (at == kNone) {
+      at = static_cast<std::int32_t>(spread_sums.size());
+      spread_sums.emplace_back();
+    }
+    spread_sums[static_cast<std::size_t>(at)].add(own, share);
+  };
+  const auto for_cells = [&](const auto& body) {
+    std::int64_t cell = 0;
+    for (std::int32_t z = 0; z < dims[2]; ++z) {
+      for (std::int32_t y = 0; y < dims[1]; ++y) {
+        for (std::int32_t x = 0; x < dims[0]; ++x, ++cell) body(cell, std::array{x, y, z});
+      }
+    }
+  };
+  for_cells([&](std::int64_t cell, const std::array<std::int32_t, 3>& place) {
+    const CellSums& own = sums[static_cast<std::size_t>(cell)];
+    if (!(own.depth > 0)) return;
+    add(cell, own, 0.5F);
+    for (std::size_t a = 0; a < 3; ++a) {
+      const float share = 0.25F * own.crossings[a] * own.crossings[a] / own.squares();
+      if (share < kLeastShare) continue;
+      if (place[a] > 0) add(cell - strides[a], own, share);
+      if (place[a] + 1 < dims[a]) add(cell + strides[a], own, share);
+    }
+  });
+  std::vector<CrossedCell> crossed;
+  crossed.reserve(spread_sums.size());
+  for_cells([&](std::int64_t cell, const std::array<std::int32_t, 3>& place) {
+    const std::int32_t at = number[static_cast<std::size_t>(cell)];
+    if (at != kNone)
+      crossed.push_back(spread_sums[static_cast<std::size_t>(at)].crossed_cell(place));
+  });
+  return crossed;
 }
 
 // In cells, without those whose light nobody asks for.
@@ -393,14 +435,7 @@ GrownSides add_surfaces(std::span<const Geometry> geometry, int threads,
     data::parallel_ranges({walk.num_bands(), 1, threads, stop},
                           [&](std::int64_t band, std::int64_t) { walk.add_band(band, stop); });
   }
-  std::size_t at = 0;
-  for (std::int32_t z = 0; z < lattice.dims[2]; ++z) {
-    for (std::int32_t y = 0; y < lattice.dims[1]; ++y) {
-      for (std::int32_t x = 0; x < lattice.dims[0]; ++x, ++at) {
-        if (sums[at].depth > 0) lattice.crossed.push_back(crossed_cell(sums[at], {x, y, z}));
-      }
-    }
-  }
+  lattice.crossed = spread(sums, lattice.dims);
   return sides;
 }
 

@@ -22,6 +22,7 @@ namespace {
 
 constexpr int kRaysOfColumn = 16;
 constexpr std::int64_t kBands = 16;
+constexpr std::int64_t rows_of_band(std::int64_t rows) { return (rows + kBands - 1) / kBands; }
 // Cells behind each other that are covered as one: a surface across the axis, up to 45 degrees
 // from it, passes through at most three of a column.
 constexpr std::int64_t kMostCovered = 4;
@@ -29,18 +30,55 @@ constexpr std::int64_t kMostCovered = 4;
 constexpr double kRoom = 3;
 constexpr double kGoldenShift = 0.6180339887498949;  // its multiples' fractions are spread evenly
 
+// The bands, across each axis, that a triangle lies in; none: the first is behind the last.
+struct TriangleBands {
+  std::array<std::uint8_t, 3> first{1, 1, 1}, last{0, 0, 0};
+};
+
 // A surface in cells' coordinates, in which cell (i, j, k) is the cube from (i, j, k) on.
 struct CellSurface {
   const Surface* surface;
   float through;  // of light, through a layer
   std::vector<Vec3> places;
+  std::vector<TriangleBands> bands;  // of each triangle
 
-  // Whether it can be met.
-  bool has(const Surface::Triangle& triangle) const {
+  void find_bands(const Index3& dims, int threads, const std::stop_token& stop) {
+    bands.assign(surface->triangles.size(), {});
+    constexpr std::int64_t kGrain = 1 << 14;
+    data::parallel_ranges({static_cast<std::int64_t>(bands.size()), kGrain, threads, stop},
+                          [&](std::int64_t begin, std::int64_t end) {
+                            for (std::int64_t i = begin; i < end; ++i) {
+                              const auto at = static_cast<std::size_t>(i);
+                              if (can_be_met(surface->triangles[at]))
+                                bands[at] = bands_of(surface->triangles[at], dims);
+                            }
+                          });
+  }
+
+ private:
+  bool can_be_met(const Surface::Triangle& triangle) const {
     return std::all_of(triangle.values.begin(), triangle.values.end(),
                        [](float value) { return !std::isnan(value); }) &&
            std::all_of(triangle.corners.begin(), triangle.corners.end(),
                        [&](std::uint32_t corner) { return places[corner].allFinite(); });
+  }
+
+  TriangleBands bands_of(const Surface::Triangle& triangle, const Index3& dims) const {
+    TriangleBands out;
+    Bounds3 box;
+    for (const std::uint32_t corner : triangle.corners) box.extend(places[corner]);
+    for (std::size_t a = 0; a < 3; ++a) {
+      const int axis = static_cast<int>(a);
+      const auto rows = static_cast<double>(dims[a]);
+      if (!(box.max()[axis] >= 0 && box.min()[axis] <= rows)) return {};
+      const auto band_of = [&](double at) {
+        const auto row = static_cast<std::int64_t>(std::clamp(at, 0.0, rows - 1));
+        return static_cast<std::uint8_t>(row / rows_of_band(dims[a]));
+      };
+      out.first[a] = band_of(box.min()[axis]);
+      out.last[a] = band_of(box.max()[axis]);
+    }
+    return out;
   }
 };
 
@@ -80,8 +118,12 @@ class ColumnWalk {
         depth_(dim(dims, axes.along)),
         width_(dim(dims, axes.next)),
         height_(dim(dims, axes.other)),
-        rows_of_band_((height_ + kBands - 1) / kBands),
+        rows_of_band_(rows_of_band(height_)),
         sums_(sums) {
+    for (std::int64_t row = 0; row < height_ * kRaysOfColumn; ++row) {
+      const double turns = static_cast<double>(row) * kGoldenShift;
+      shifts_.push_back(turns - std::floor(turns));
+    }
     const std::array<std::int64_t, 3> strides{1, dims[0], dims[0] * dims[1]};
     stride_along_ = strides[static_cast<std::size_t>(axes.along)];
     stride_next_ = strides[static_cast<std::size_t>(axes.next)];
@@ -94,19 +136,17 @@ class ColumnWalk {
     const std::int64_t begin = band * rows_of_band_;
     const std::int64_t end = std::min(height_, begin + rows_of_band_);
     std::vector<Crossing> crossings;
+    const auto across = static_cast<std::size_t>(axes_.other);
     for (const CellSurface& surface : surfaces_) {
-      std::size_t number = 0;
-      for (const Surface::Triangle& triangle : surface.surface->triangles) {
+      for (std::size_t i = 0; i < surface.bands.size(); ++i) {
         constexpr std::size_t kBetweenLooks = 1 << 16;
-        if (++number % kBetweenLooks == 0 && stop.stop_requested()) return;
-        const std::array<const Vec3*, 3> corners{&surface.places[triangle.corners[0]],
-                                                 &surface.places[triangle.corners[1]],
-                                                 &surface.places[triangle.corners[2]]};
-        const auto [lo, hi] =
-            std::minmax({(*corners[0])[axes_.other], (*corners[1])[axes_.other],
-                         (*corners[2])[axes_.other]});
-        if (!(hi >= static_cast<double>(begin) && lo <= static_cast<double>(end))) continue;
-        if (surface.has(triangle)) cross(corners, surface.through, begin, end, crossings);
+        if (i % kBetweenLooks == 0 && stop.stop_requested()) return;
+        const TriangleBands& of = surface.bands[i];
+        if (of.first[across] > band || of.last[across] < band) continue;
+        const auto& corners = surface.surface->triangles[i].corners;
+        cross({&surface.places[corners[0]], &surface.places[corners[1]],
+               &surface.places[corners[2]]},
+              surface.through, begin, end, crossings);
       }
     }
     add_columns(begin, end, crossings);
@@ -117,65 +157,112 @@ class ColumnWalk {
     return dims[static_cast<std::size_t>(axis)];
   }
 
-  // Where rows of rays meet a triangle: half open, and sides that triangles share are at the same
-  // places for both, so that a ray between them meets one.
+  // A triangle, as rows of rays meet it.
+  class Walked {
+   public:
+    Walked(const std::array<const Vec3*, 3>& corners, const WalkAxes& axes)
+        : corners_(corners), axes_(axes) {
+      const auto [first, last] = range(axes.other);
+      const auto [left, right] = range(axes.next);
+      first_ = first;
+      last_ = last;
+      left_ = left;
+      right_ = right;
+    }
+
+    double first() const { return first_; }
+    double last() const { return last_; }
+    double left() const { return left_; }
+    double right() const { return right_; }
+
+    // Where a row's part of it begins and ends. Half open, and a side is the same for the triangle
+    // beyond, so that a ray between two meets one.
+    std::pair<double, double> part_at(double row) const {
+      double left = std::numeric_limits<double>::infinity(), right = -left;
+      for (std::size_t side = 0; side < 3; ++side) {
+        const Vec3* low = corners_[side];
+        const Vec3* high = corners_[(side + 1) % 3];
+        if ((*low)[axes_.other] > (*high)[axes_.other]) std::swap(low, high);
+        const double begin = (*low)[axes_.other], end = (*high)[axes_.other];
+        if (!(begin <= row && row < end)) continue;
+        const double place =
+            (*low)[axes_.next] +
+            (row - begin) / (end - begin) * ((*high)[axes_.next] - (*low)[axes_.next]);
+        left = std::min(left, place);
+        right = std::max(right, place);
+      }
+      return {left, right};
+    }
+
+    // Along the ray, no further than it reaches. It faces along.
+    double place_at(const Vec3& across, double next, double other) const {
+      const Vec3& corner = *corners_[0];
+      const double slanted = across[axes_.next] * (next - corner[axes_.next]) +
+                             across[axes_.other] * (other - corner[axes_.other]);
+      const auto [nearest, farthest] = range(axes_.along);
+      return std::clamp(corner[axes_.along] - slanted / across[axes_.along], nearest, farthest);
+    }
+
+    Vec3 across() const {
+      return (*corners_[1] - *corners_[0]).cross(*corners_[2] - *corners_[0]);
+    }
+
+   private:
+    std::pair<double, double> range(int axis) const {
+      const double a = (*corners_[0])[axis], b = (*corners_[1])[axis], c = (*corners_[2])[axis];
+      return {std::min(a, std::min(b, c)), std::max(a, std::max(b, c))};
+    }
+
+    const std::array<const Vec3*, 3>& corners_;
+    const WalkAxes& axes_;
+    double first_, last_, left_, right_;
+  };
+
+  // The least whole number that is not less.
+  static std::int64_t up(double number) {
+    const auto whole = static_cast<std::int64_t>(number);
+    return whole + (static_cast<double>(whole) < number ? 1 : 0);
+  }
+
   void cross(const std::array<const Vec3*, 3>& corners, float through, std::int64_t begin,
              std::int64_t end, std::vector<Crossing>& crossings) const {
-    const Vec3 across = (*corners[1] - *corners[0]).cross(*corners[2] - *corners[0]);
-    const double length = across.norm();
-    const double facing = across[axes_.along];
-    if (!(length > 0) || facing == 0) return;
-    const double forward = (facing > 0 ? 1 : -1) / length;
-    Crossing crossing{0, 0, 0, through, static_cast<float>(across[axes_.next] * forward),
-                      static_cast<float>(across[axes_.other] * forward)};
-    const auto [lowest, highest] = std::minmax(
-        {(*corners[0])[axes_.along], (*corners[1])[axes_.along], (*corners[2])[axes_.along]});
-    const auto [first, last] = std::minmax(
-        {(*corners[0])[axes_.other], (*corners[1])[axes_.other], (*corners[2])[axes_.other]});
+    const Walked triangle(corners, axes_);
     const auto row_from = [&](double at) {
-      const double row = std::ceil(at * kRaysOfColumn - 0.5);
-      return static_cast<std::int64_t>(std::clamp(row, static_cast<double>(begin * kRaysOfColumn),
-                                                  static_cast<double>(end * kRaysOfColumn)));
+      return up(std::clamp(at * kRaysOfColumn - 0.5, static_cast<double>(begin * kRaysOfColumn),
+                           static_cast<double>(end * kRaysOfColumn)));
     };
-    const std::int64_t row_end = row_from(last);
-    for (std::int64_t row = row_from(first); row < row_end; ++row) {
+    const auto ray_from = [&](double at) {
+      return up(std::clamp(at, 0.0, static_cast<double>(width_)));
+    };
+    const std::int64_t row_end = row_from(triangle.last());
+    for (std::int64_t row = row_from(triangle.first()); row < row_end; ++row) {
+      const double shift = shifts_[static_cast<std::size_t>(row)];
+      if (ray_from(triangle.left() - shift) >= ray_from(triangle.right() - shift)) continue;
       const double at = (static_cast<double>(row) + 0.5) / kRaysOfColumn;
-      const auto [left, right] = span_at(corners, at);
-      const double turns = static_cast<double>(row) * kGoldenShift;
-      const double shift = turns - std::floor(turns);
-      const double from = std::clamp(std::ceil(left - shift), 0.0, static_cast<double>(width_));
-      const double to = std::clamp(std::ceil(right - shift), 0.0, static_cast<double>(width_));
-      crossing.ray = static_cast<std::uint8_t>(row % kRaysOfColumn);
-      const std::int64_t column = (row / kRaysOfColumn - begin) * width_;
-      for (auto i = static_cast<std::int64_t>(from); i < static_cast<std::int64_t>(to); ++i) {
-        const double next = static_cast<double>(i) + shift - (*corners[0])[axes_.next];
-        const double other = at - (*corners[0])[axes_.other];
-        const double place = (*corners[0])[axes_.along] -
-                             (across[axes_.next] * next + across[axes_.other] * other) / facing;
-        const double cell = std::floor(std::clamp(place, lowest, highest));
-        if (!(cell >= 0 && cell < static_cast<double>(depth_))) continue;
-        crossing.cell = static_cast<std::int32_t>(cell);
-        crossing.column = static_cast<std::uint32_t>(column + i);
-        crossings.push_back(crossing);
-      }
+      const auto [left, right] = triangle.part_at(at);
+      const std::int64_t ray_end = ray_from(right - shift);
+      for (std::int64_t i = ray_from(left - shift); i < ray_end; ++i)
+        meet(triangle, static_cast<double>(i) + shift, at,
+             {static_cast<std::uint32_t>((row / kRaysOfColumn - begin) * width_ + i), 0,
+              static_cast<std::uint8_t>(row % kRaysOfColumn), through, 0, 0},
+             crossings);
     }
   }
 
-  // From where to where a triangle's row goes; nowhere: both are the same.
-  std::pair<double, double> span_at(const std::array<const Vec3*, 3>& corners, double at) const {
-    double left = std::numeric_limits<double>::infinity(), right = -left;
-    for (std::size_t side = 0; side < 3; ++side) {
-      const Vec3* low = corners[side];
-      const Vec3* high = corners[(side + 1) % 3];
-      if ((*low)[axes_.other] > (*high)[axes_.other]) std::swap(low, high);
-      if (!((*low)[axes_.other] <= at && at < (*high)[axes_.other])) continue;
-      const double share =
-          (at - (*low)[axes_.other]) / ((*high)[axes_.other] - (*low)[axes_.other]);
-      const double place = std::lerp((*low)[axes_.next], (*high)[axes_.next], share);
-      left = std::min(left, place);
-      right = std::max(right, place);
-    }
-    return left <= right ? std::pair(left, right) : std::pair(0.0, 0.0);
+  // The ray at that place meets the triangle.
+  void meet(const Walked& triangle, double next, double other, Crossing crossing,
+            std::vector<Crossing>& crossings) const {
+    const Vec3 across = triangle.across();
+    const double length = across.norm();
+    const double facing = across[axes_.along];
+    if (!(length > 0) || facing == 0) return;
+    const double place = triangle.place_at(across, next, other);
+    if (!(place >= 0 && place < static_cast<double>(depth_))) return;
+    const double forward = (facing > 0 ? 1 : -1) / length;
+    crossing.cell = static_cast<std::int32_t>(place);
+    crossing.next = static_cast<float>(across[axes_.next] * forward);
+    crossing.other = static_cast<float>(across[axes_.other] * forward);
+    crossings.push_back(crossing);
   }
 
   void add_columns(std::int64_t begin, std::int64_t end,
@@ -275,6 +362,7 @@ class ColumnWalk {
   const std::int64_t depth_, width_, height_, rows_of_band_;
   std::int64_t stride_along_ = 1, stride_next_ = 1, stride_other_ = 1;
   std::vector<CellSums>& sums_;
+  std::vector<double> shifts_;  // of the rays of each row, in cells
 };
 
 // What a cell absorbs: as along all axes the same, the depth of a crossing.
@@ -408,7 +496,7 @@ std::vector<CellSurface> surfaces_in_cells(std::span<const Geometry> geometry,
   const Affine3 cell_from_world = lattice.world_from_cell.inverse();
   std::vector<CellSurface> surfaces;
   for (const Geometry& one : geometry) {
-    CellSurface surface{one.surface.get(), static_cast<float>(1 - one.opacity), {}};
+    CellSurface surface{one.surface.get(), static_cast<float>(1 - one.opacity), {}, {}};
     surface.places.reserve(one.surface->places.size());
     for (const Vec3& place : one.surface->places)
       surface.places.push_back(cell_from_world * place + Vec3::Constant(0.5));
@@ -429,6 +517,7 @@ GrownSides add_surfaces(std::span<const Geometry> geometry, int threads,
   for (CellSurface& surface : surfaces) {
     for (Vec3& place : surface.places) place += moved;
   }
+  for (CellSurface& surface : surfaces) surface.find_bands(lattice.dims, threads, stop);
   std::vector<CellSums> sums(lattice.extinction.size());
   for (const WalkAxes& axes : kWalks) {
     const ColumnWalk walk(surfaces, lattice.dims, axes, sums);

@@ -99,7 +99,7 @@ ExtinctionLattice extinction_of_scene(const LitScene& scene, int threads,
 // Towards the sides beyond which surfaces are not known, light becomes all of it, over some cells:
 // else shadows that reach such a side would go on beyond it.
 void fade_at_cuts(const GrownSides& sides, view::LightVolume& volume) {
-  constexpr std::int64_t kFade = 8;
+  constexpr std::int64_t kFade = 8, kPartOfRoom = 4;
   std::array<std::vector<double>, 3> shares;  // of what is missing, that stays
   bool is_cut = false;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -107,7 +107,7 @@ void fade_at_cuts(const GrownSides& sides, view::LightVolume& volume) {
     const auto fade = [&](bool is_side_cut, std::int64_t room, const auto& cell_at) {
       if (!is_side_cut) return;
       is_cut = true;
-      const std::int64_t cells = std::min(kFade, room);
+      const std::int64_t cells = std::min(kFade, room / kPartOfRoom + 1);
       for (std::int64_t i = 0; i < cells; ++i)
         shares[a][cell_at(i)] *= static_cast<double>(i) / static_cast<double>(cells);
     };

@@ -28,9 +28,9 @@ struct Geometry {
   // Not null; where a value is NaN it is not drawn. It must not change once it has been drawn: a
   // renderer keeps the light of those that live, and knows them by where they lie in memory.
   std::shared_ptr<const Surface> surface;
-  Rgb color{0.9, 0.9, 0.9};                // each in [0, 1]
-  double opacity = 1;                      // of each layer, in (0, 1]
-  bool shows_edges = false;                // of the faces, as dark lines
+  Rgb color{0.9, 0.9, 0.9};  // each in [0, 1]
+  double opacity = 1;        // of each layer, in (0, 1]
+  bool shows_edges = false;  // of the faces, as dark lines
   // Of its values, instead of the one colour; opacities in it do not count.
   std::optional<TransferFunction> colors{};
 

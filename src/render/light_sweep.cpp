@@ -229,8 +229,8 @@ class Sweep {
   Reordered& sum_;
   bool is_from_end_;
   float weight_, absorption_, regain_;
-  float per_length_;           // slices
-  std::array<float, 3> step_;  // of a ray to the next slice, in slices, rows and cells
+  float per_length_;               // slices
+  std::array<float, 3> step_;      // of a ray to the next slice, in slices, rows and cells
   double row_drift_, cell_drift_;  // of a ray, from slice to slice, against the light
   std::int64_t first_row_, first_cell_, stride_, padded_stride_;
   std::vector<float> light_;   // of the columns

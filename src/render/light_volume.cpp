@@ -113,9 +113,8 @@ void fade_at_cuts(const GrownSides& sides, view::LightVolume& volume) {
     };
     fade(sides.is_cut_before[a], sides.before[a],
          [](std::int64_t i) { return static_cast<std::size_t>(i); });
-    fade(sides.is_cut_behind[a], sides.behind[a], [&](std::int64_t i) {
-      return static_cast<std::size_t>(volume.dims[a] - 1 - i);
-    });
+    fade(sides.is_cut_behind[a], sides.behind[a],
+         [&](std::int64_t i) { return static_cast<std::size_t>(volume.dims[a] - 1 - i); });
   }
   if (!is_cut) return;
   float* packed = volume.packed.data();
@@ -125,8 +124,8 @@ void fade_at_cuts(const GrownSides& sides, view::LightVolume& volume) {
         const double share = x * y * z;
         if (share < 1) {
           const view::ArrivingLight light = view::unpacked_light(*packed);
-          *packed = view::packed_light(
-              {1 - share * (1 - light.around), 1 - share * (1 - light.key)});
+          *packed =
+              view::packed_light({1 - share * (1 - light.around), 1 - share * (1 - light.key)});
         }
         ++packed;
       }

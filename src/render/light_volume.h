@@ -61,8 +61,8 @@ class LightVolumes {
     Key key;
     std::vector<std::weak_ptr<const Surface>> surfaces;  // of the geometry
     ExtinctionLattice extinction;
-    GrownSides sides;     // of it, to hold the surfaces
-    double diagonal = 0;  // world: of the fields' box, without surfaces
+    GrownSides sides;           // of it, to hold the surfaces
+    double diagonal = 0;        // world: of the fields' box, without surfaces
     std::vector<float> around;  // shares of light from everywhere; empty: not asked for yet
     Key key_light;              // what the two below are made of
     std::vector<float> key_share, scattered;

@@ -164,8 +164,7 @@ bool changes_picture(const LabelSurfaces& labels) {
 
 // Whether a mesh says where its field is, or is seen.
 bool has_limits(const Scenery& scenery) {
-  return scenery.mesh != nullptr &&
-         (scenery.mesh->encloses_mesh() || scenery.walls.opacity > 0);
+  return scenery.mesh != nullptr && (scenery.mesh->encloses_mesh() || scenery.walls.opacity > 0);
 }
 
 using SceneryClock = std::chrono::steady_clock;
@@ -266,8 +265,7 @@ Frame render_with_scenery(Renderer& renderer, const Field& field, const Camera& 
   for (const FieldSlice& slice : scenery.slices)
     layers.push_back(
         slice_limits(slice, scenery.labels, renderer, field, camera, look, within, hooks));
-  const bool hides_field =
-      has_mesh && scenery.walls.opacity >= 1 && scenery.mesh->encloses_mesh();
+  const bool hides_field = has_mesh && scenery.walls.opacity >= 1 && scenery.mesh->encloses_mesh();
   const LightBlockers blockers{hides_field ? scenery.mesh : nullptr, scenery.geometry};
   const auto light_start = SceneryClock::now();
   // Valid until the renderer draws.

@@ -261,16 +261,16 @@ TEST(Geometry, ShadowsTheField) {
 // Fails if what is cast on a mesh's walls is not seen, or if they lose what they have without
 // surfaces.
 TEST(Geometry, ShadowsTheWallsOfAMesh) {
-  const auto mesh = make_surface(model::mesh_dataset({{-4, -4, -4},
-                                                      {4, -4, -4},
-                                                      {4, 4, -4},
-                                                      {-4, 4, -4},
-                                                      {-4, -4, 4},
-                                                      {4, -4, 4},
-                                                      {4, 4, 4},
-                                                      {-4, 4, 4}},
-                                                     {{CellType::kHexahedron,
-                                                       {0, 1, 2, 3, 4, 5, 6, 7}}}));
+  const auto mesh =
+      make_surface(model::mesh_dataset({{-4, -4, -4},
+                                        {4, -4, -4},
+                                        {4, 4, -4},
+                                        {-4, 4, -4},
+                                        {-4, -4, 4},
+                                        {4, -4, 4},
+                                        {4, 4, 4},
+                                        {-4, 4, 4}},
+                                       {{CellType::kHexahedron, {0, 1, 2, 3, 4, 5, 6, 7}}}));
   ASSERT_TRUE(mesh->encloses_mesh());
   Renderer renderer(Backend::kCpu, 1);
   Look look = under_a_key(1);
@@ -278,9 +278,8 @@ TEST(Geometry, ShadowsTheWallsOfAMesh) {
     Scenery scenery{geometry, {}};
     scenery.mesh = mesh.get();
     scenery.walls = {1, false};
-    const Image image = render_with_scenery(renderer, cube_field(), towards_z(), look, scenery,
-                                            of_scene())
-                            .image;
+    const Image image =
+        render_with_scenery(renderer, cube_field(), towards_z(), look, scenery, of_scene()).image;
     return pixel(image, x, 32).b();
   };
   EXPECT_LT(blue(before_the_cube(1), 32), 0.4 * blue({}, 32));

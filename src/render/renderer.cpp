@@ -336,10 +336,9 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
         view::limits_of_part(sheets, lattice, options.depth_limits.get()));
   }
   const Clock::time_point light_start = Clock::now();
-  const LitBy lit_by =
-      light_for({drawn, own_look, options.clip_planes, further, options.mixing, blockers.solid,
-                 blockers.geometry},
-                hooks);
+  const LitBy lit_by = light_for({drawn, own_look, options.clip_planes, further, options.mixing,
+                                  blockers.solid, blockers.geometry},
+                                 hooks);
   const double light_ms = milliseconds_since(light_start);
   const FrameJob job{drawn,       camera, own_look,      trail_view ? &*trail_view : nullptr,
                      own_options, hooks,  lit_by.volume, nullptr,
@@ -366,9 +365,9 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
                           options.height));
 }
 
-SurfaceLight SurfaceLight::of(Renderer& renderer, const Field& field,
-                              const LightBlockers& blockers, const Camera& camera, const Look& look,
-                              const RenderOptions& options, const RenderHooks& hooks) {
+SurfaceLight SurfaceLight::of(Renderer& renderer, const Field& field, const LightBlockers& blockers,
+                              const Camera& camera, const Look& look, const RenderOptions& options,
+                              const RenderHooks& hooks) {
   Renderer::Impl& impl = *renderer.impl_;
   const Look own_look = completed(look, field, camera);
   if (blockers.geometry.empty()) {
@@ -377,8 +376,8 @@ SurfaceLight SurfaceLight::of(Renderer& renderer, const Field& field,
     return {volume, notice};
   }
   if (options.further != nullptr) require_further(field, look, false, options);
-  const Field drawn = impl.levels.at(field, coarsest_level(field, camera, options),
-                                     renderer.threads(), hooks.stop);
+  const Field drawn =
+      impl.levels.at(field, coarsest_level(field, camera, options), renderer.threads(), hooks.stop);
   const std::vector<FurtherVolume> further = impl.further_to_draw(camera, options, hooks);
   const auto [volume, notice] = impl.light_for({drawn, own_look, options.clip_planes, further,
                                                 options.mixing, blockers.solid, blockers.geometry},

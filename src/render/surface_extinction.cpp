@@ -3,9 +3,9 @@
 // cell that they pass through.
 //
 // Along each axis of the lattice 16 rays go through every column of cells, and meet triangles.
-// Columns are dealt out in bands: a task collects what the rays of a band cross, puts it in order by
-// column, and adds what comes of a column to its cells. The columns of one axis share no cells, and
-// axes follow each other, so that the number of threads cannot be seen in the sums.
+// Columns are dealt out in bands: a task collects what the rays of a band cross, puts it in order
+// by column, and adds what comes of a column to its cells. The columns of one axis share no cells,
+// and axes follow each other, so that the number of threads cannot be seen in the sums.
 #include "render/surface_extinction.h"
 
 #include <algorithm>
@@ -89,8 +89,7 @@ struct CellSums {
   float depth = 0;                   // optical, times crossings, over the axes
 
   float squares() const {
-    return crossings[0] * crossings[0] + crossings[1] * crossings[1] +
-           crossings[2] * crossings[2];
+    return crossings[0] * crossings[0] + crossings[1] * crossings[1] + crossings[2] * crossings[2];
   }
 };
 
@@ -144,9 +143,9 @@ class ColumnWalk {
         const TriangleBands& of = surface.bands[i];
         if (of.first[across] > band || of.last[across] < band) continue;
         const auto& corners = surface.surface->triangles[i].corners;
-        cross({&surface.places[corners[0]], &surface.places[corners[1]],
-               &surface.places[corners[2]]},
-              surface.through, begin, end, crossings);
+        cross(
+            {&surface.places[corners[0]], &surface.places[corners[1]], &surface.places[corners[2]]},
+            surface.through, begin, end, crossings);
       }
     }
     add_columns(begin, end, crossings);
@@ -185,9 +184,8 @@ class ColumnWalk {
         if ((*low)[axes_.other] > (*high)[axes_.other]) std::swap(low, high);
         const double begin = (*low)[axes_.other], end = (*high)[axes_.other];
         if (!(begin <= row && row < end)) continue;
-        const double place =
-            (*low)[axes_.next] +
-            (row - begin) / (end - begin) * ((*high)[axes_.next] - (*low)[axes_.next]);
+        const double place = (*low)[axes_.next] + (row - begin) / (end - begin) *
+                                                      ((*high)[axes_.next] - (*low)[axes_.next]);
         left = std::min(left, place);
         right = std::max(right, place);
       }
@@ -203,9 +201,7 @@ class ColumnWalk {
       return std::clamp(corner[axes_.along] - slanted / across[axes_.along], nearest, farthest);
     }
 
-    Vec3 across() const {
-      return (*corners_[1] - *corners_[0]).cross(*corners_[2] - *corners_[0]);
-    }
+    Vec3 across() const { return (*corners_[1] - *corners_[0]).cross(*corners_[2] - *corners_[0]); }
 
    private:
     std::pair<double, double> range(int axis) const {
@@ -321,7 +317,9 @@ class ColumnWalk {
       for (std::int64_t part = 0; part < parts; ++part) {
         const std::int64_t from = begin + count * part / parts;
         const std::int64_t to = begin + count * (part + 1) / parts;
-        const auto is_before = [](const Crossing& one, std::int64_t cell) { return one.cell < cell; };
+        const auto is_before = [](const Crossing& one, std::int64_t cell) {
+          return one.cell < cell;
+        };
         cover_part({std::lower_bound(run.begin(), run.end(), from, is_before),
                     std::lower_bound(run.begin(), run.end(), to, is_before)},
                    from, to);

@@ -213,9 +213,8 @@ TEST(SurfaceExtinction, NearAWallHalfOfTheLightIsLeft) {
   const auto at = [&](const Vec3& world) {
     const Vec3 cell = cell_from_world * world;
     const auto index = [&](int a) { return static_cast<std::int64_t>(std::lround(cell[a])); };
-    return light[static_cast<std::size_t>((index(2) * lattice.dims[1] + index(1)) *
-                                              lattice.dims[0] +
-                                          index(0))];
+    return light[static_cast<std::size_t>(
+        (index(2) * lattice.dims[1] + index(1)) * lattice.dims[0] + index(0))];
   };
   for (const double distance : {2.0, 5.0, 15.0}) {
     double taken = 0;  // the second exponential integral
@@ -241,8 +240,8 @@ TEST(SurfaceExtinction, ABallDoesNotShadowItsOwnLitSide) {
         const double z = 1 - 2 * (i + 0.5) / 400, turn = 2.39996 * i;
         const double rest = std::sqrt(1 - z * z);
         const Vec3 normal(rest * std::cos(turn), rest * std::sin(turn), z);
-        const view::ArrivingLight arriving = light.arriving_at(
-            kLitMiddle + radius * normal, normal, normal, 1, kEdgesAway);
+        const view::ArrivingLight arriving =
+            light.arriving_at(kLitMiddle + radius * normal, normal, normal, 1, kEdgesAway);
         least_around = std::min(least_around, arriving.around);
         const double cosine = normal.dot(towards.normalized());
         if (cosine > 0.1) least_key = std::min(least_key, arriving.key);

@@ -17,7 +17,8 @@ inline constexpr double kEdgesAway = 2;
 
 // What takes light away beside the field, or in its place.
 struct LightBlockers {
-  const Surface* solid = nullptr;  // of the field's mesh, which nothing passes through; null: the field
+  const Surface* solid =
+      nullptr;  // of the field's mesh, which nothing passes through; null: the field
   std::span<const Geometry> geometry{};  // valid
 };
 

@@ -185,6 +185,20 @@ void require_valid_frame(const Camera& camera, const Look& look, const RenderOpt
   options.validate();
 }
 
+void require_valid_scenery(const Scenery& scenery, const Look& look, const RenderOptions& options) {
+  for (const Geometry& one : scenery.geometry) one.validate();
+  for (const FieldSlice& slice : scenery.slices) slice.validate();
+  scenery.labels.validate();
+  if (look.mode != Mode::kComposite && look.mode != Mode::kIsosurface) {
+    throw Error(
+        ErrorCode::kUnsupported,
+        "surfaces, slices and labels: are for the modes composite and isosurface; the greatest, "
+        "mean or integrated value knows no colours beside its own");
+  }
+  if (has_limits(scenery) && options.depth_limits != nullptr)
+    throw Error(ErrorCode::kInvalidArgument, "depth_limits: the mesh's boundary makes them");
+}
+
 }  // namespace
 
 void Geometry::validate() const {
@@ -240,21 +254,11 @@ Frame render_with_scenery(Renderer& renderer, const Field& field, const Camera& 
   }
   data::require_field(field);
   require_valid_frame(camera, look, options);
-  for (const Geometry& one : scenery.geometry) one.validate();
-  for (const FieldSlice& slice : scenery.slices) slice.validate();
-  scenery.labels.validate();
-  if (look.mode != Mode::kComposite && look.mode != Mode::kIsosurface) {
-    throw Error(
-        ErrorCode::kUnsupported,
-        "surfaces, slices and labels: are for the modes composite and isosurface; the greatest, "
-        "mean or integrated value knows no colours beside its own");
-  }
+  require_valid_scenery(scenery, look, options);
   const auto start = SceneryClock::now();
   const int threads = renderer.threads();
   RenderOptions within = options;
   const bool has_mesh = has_limits(scenery);
-  if (has_mesh && options.depth_limits != nullptr)
-    throw Error(ErrorCode::kInvalidArgument, "depth_limits: the mesh's boundary makes them");
   const auto bound = [&](const view::LightVolume* light) {
     within.depth_limits = std::make_shared<DepthLimits>(boundary_limits_in_light(
         *scenery.mesh, camera, look, scenery.walls, options, threads, hooks.stop, light));

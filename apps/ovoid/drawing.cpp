@@ -283,14 +283,11 @@ namespace {
 // A mesh's field within its surface, among the surfaces of --add.
 Frame draw_with_scenery(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
                         const RenderOptions& options, const RenderHooks& hooks) {
-  RenderOptions within = options;
-  const Surface* const surface = subject.surface;
-  if (surface != nullptr && (surface->encloses_mesh() || subject.walls.opacity > 0)) {
-    within.depth_limits = std::make_shared<DepthLimits>(boundary_limits(
-        *surface, camera, subject.look, subject.walls, options, renderer.threads(), hooks.stop));
-  }
-  return render_with_scenery(renderer, subject.field, camera, subject.look, *subject.scenery,
-                             within, hooks);
+  Scenery scenery = *subject.scenery;
+  scenery.mesh = subject.surface;
+  scenery.walls = subject.walls;
+  return render_with_scenery(renderer, subject.field, camera, subject.look, scenery, options,
+                             hooks);
 }
 
 }  // namespace

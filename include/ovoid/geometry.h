@@ -14,18 +14,23 @@
 #include "ovoid/field.h"
 #include "ovoid/labels.h"
 #include "ovoid/look.h"
+#include "ovoid/render_surface.h"
 #include "ovoid/renderer.h"
 #include "ovoid/surface.h"
 #include "ovoid/transfer_function.h"
 
 namespace OVOID_API ovoid {
 
-// A surface, lit as the look lights the field.
+// A surface, lit as the look lights the field. Where the look has occlusion or shadows
+// (Look::occlusion, Look::shadows) it takes light from the field, from other surfaces and from
+// itself, and they from it: each layer lets `1 - opacity` through.
 struct Geometry {
-  std::shared_ptr<const Surface> surface;  // not null; where a value is NaN it is not drawn
-  Rgb color{0.9, 0.9, 0.9};                // each in [0, 1]
-  double opacity = 1;                      // of each layer, in (0, 1]
-  bool shows_edges = false;                // of the faces, as dark lines
+  // Not null; where a value is NaN it is not drawn. It must not change once it has been drawn: a
+  // renderer keeps the light of those that live, and knows them by where they lie in memory.
+  std::shared_ptr<const Surface> surface;
+  Rgb color{0.9, 0.9, 0.9};  // each in [0, 1]
+  double opacity = 1;        // of each layer, in (0, 1]
+  bool shows_edges = false;  // of the faces, as dark lines
   // Of its values, instead of the one colour; opacities in it do not count.
   std::optional<TransferFunction> colors{};
 
@@ -33,7 +38,7 @@ struct Geometry {
   void validate() const;
 };
 
-// A plane through the field that shows its values, without light.
+// A plane through the field that shows its values, without light; it takes none from others.
 struct FieldSlice {
   Vec3 normal{0, 0, 1};     // any length > 0
   double offset = 0;        // of the places x with dot(normal, x) == offset; world
@@ -52,7 +57,12 @@ struct Scenery {
   std::vector<Geometry> geometry;
   std::vector<FieldSlice> slices;
   LabelSurfaces labels;
+  // Of the mesh whose field it is, as render_mesh() takes it; null: the field has no bounds, or
+  // RenderOptions::depth_limits says where it is. Must live as long as the call.
+  const Surface* mesh = nullptr;
+  SurfaceStyle walls{0, false};  // of the mesh
 
+  // Whether there is nothing beside the field.
   bool empty() const noexcept {
     return geometry.empty() && slices.empty() && labels.map == nullptr;
   }
@@ -68,12 +78,15 @@ DepthLimits limits_with(std::span<const Geometry> geometry, const Camera& camera
                         const RenderOptions& options, int threads = 0, std::stop_token stop = {});
 
 // A picture of the field with surfaces, slices and labels in it: Renderer::render() with such
-// limits, the surfaces under the light that the field lets through where the look has a light
-// volume; slices where `options.depth_limits` show the field, and cut by no clip plane; labels cut
-// by them as the field is. By the back ends that take
-// limits (RenderOptions::depth_limits). Throws what they throw, and Error(kUnsupported) for modes
-// other than composite and isosurface. Cost: the frame's, that of limits_with(), for each slice
-// that of a value plane (value_plane.h), and for labels about that of an isosurface of their size.
+// limits; slices where `options.depth_limits` show the field, and cut by no clip plane; labels cut
+// by them as the field is. Where the look has a light volume surfaces, labels and the walls of a
+// mesh are under its light, and surfaces take light away, in and around the field's box; slices and
+// labels take none (docs/numerics.md, "Surfaces in the light"). Without surfaces walls have all of
+// the light. By the back ends that take limits (RenderOptions::depth_limits). Throws what they
+// throw, and Error(kUnsupported) for modes other than composite and isosurface. Cost: the frame's,
+// that of limits_with(), for each slice that of a value plane (value_plane.h), for labels about
+// that of an isosurface of their size, and where the look has a light volume a pass over the
+// triangles, once for surfaces that stay where they are.
 Frame render_with_scenery(Renderer& renderer, const Field& field, const Camera& camera,
                           const Look& look, const Scenery& scenery,
                           const RenderOptions& options = {}, const RenderHooks& hooks = {});

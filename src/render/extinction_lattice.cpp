@@ -378,23 +378,10 @@ ExtinctionLattice extinction_lattice(const Field& field, const Look& look,
   return out;
 }
 
-namespace {
-
-// With more empty cells around, as many as `box` needs, which is in cells.
-ExtinctionLattice grown(const ExtinctionLattice& lattice, const Bounds3& box) {
+ExtinctionLattice grown(const ExtinctionLattice& lattice, const Index3& before,
+                        const Index3& behind) {
   ExtinctionLattice out = lattice;
-  Index3 before{};
-  for (int a = 0; a < 3; ++a) {
-    const auto i = static_cast<std::size_t>(a);
-    const std::int64_t room = std::max<std::int64_t>(0, kMostCellsOfAll - lattice.dims[i]);
-    const auto end = static_cast<double>(lattice.dims[i] - 1);
-    const auto cells_for = [&](double beyond, std::int64_t most) {
-      const auto cells = std::clamp(std::ceil(beyond), 0.0, static_cast<double>(most));
-      return static_cast<std::int64_t>(cells);
-    };
-    before[i] = cells_for(-box.min()[a], room);
-    out.dims[i] += before[i] + cells_for(box.max()[a] - end, room - before[i]);
-  }
+  for (std::size_t a = 0; a < 3; ++a) out.dims[a] += before[a] + behind[a];
   if (out.dims == lattice.dims) return out;
   out.world_from_cell.translate(-Vec3(static_cast<double>(before[0]),
                                       static_cast<double>(before[1]),
@@ -411,6 +398,25 @@ ExtinctionLattice grown(const ExtinctionLattice& lattice, const Bounds3& box) {
     }
   }
   return out;
+}
+
+namespace {
+
+// As many cells around as `box` needs, which is in cells.
+ExtinctionLattice grown_to(const ExtinctionLattice& lattice, const Bounds3& box) {
+  Index3 before{}, behind{};
+  for (int a = 0; a < 3; ++a) {
+    const auto i = static_cast<std::size_t>(a);
+    const std::int64_t room = std::max<std::int64_t>(0, kMostCellsOfAll - lattice.dims[i]);
+    const auto end = static_cast<double>(lattice.dims[i] - 1);
+    const auto cells_for = [&](double beyond, std::int64_t most) {
+      const auto cells = std::clamp(std::ceil(beyond), 0.0, static_cast<double>(most));
+      return static_cast<std::int64_t>(cells);
+    };
+    before[i] = cells_for(-box.min()[a], room);
+    behind[i] = cells_for(box.max()[a] - end, room - before[i]);
+  }
+  return grown(lattice, before, behind);
 }
 
 // Between the middles of cells; nothing beyond them.
@@ -450,7 +456,7 @@ void mix_extinction(const ExtinctionLattice& other, Mixing mixing, ExtinctionLat
     }
     box.extend(cell_from_other * place);
   }
-  sum = grown(sum, box);
+  sum = grown_to(sum, box);
   const Affine3 other_from_cell = other.world_from_cell.inverse() * sum.world_from_cell;
   float* cell = sum.extinction.data();
   for (std::int64_t z = 0; z < sum.dims[2]; ++z) {

@@ -3,6 +3,8 @@
 // light. docs/numerics.md, "Light from a coarse volume", is the definition.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <stop_token>
 #include <vector>
 
@@ -12,10 +14,19 @@
 
 namespace ovoid {
 
+// A cell that surfaces beside the field pass through. How often a ray crosses them goes with its
+// direction, so that what they absorb is a form: a ray that goes by `v` cells within this one has
+// the optical depth sqrt(v' form v).
+struct CrossedCell {
+  std::array<std::int32_t, 3> cell{};
+  std::array<float, 6> form{};  // symmetric: xx, yy, zz, yz, zx, xy
+};
+
 struct ExtinctionLattice {
   Index3 dims{};  // an empty cell lies around the field on all sides
   Affine3 world_from_cell = Affine3::Identity();  // cell (i, j, k) has its middle at (i, j, k)
   std::vector<float> extinction;                  // per world length, [dims[2]][dims[1]][dims[0]]
+  std::vector<CrossedCell> crossed;               // each cell once; empty: no surfaces
 
   double cell_edge() const;  // world: the mean of a cell's three
 };
@@ -45,5 +56,9 @@ void mix_extinction(const ExtinctionLattice& other, Mixing mixing, ExtinctionLat
 
 // The most cells along an axis that a lattice has then.
 inline constexpr std::int64_t kMostCellsOfAll = 256;
+
+// With so many more empty cells before and behind, along each axis. No surfaces are in it.
+ExtinctionLattice grown(const ExtinctionLattice& lattice, const Index3& before,
+                        const Index3& behind);
 
 }  // namespace ovoid

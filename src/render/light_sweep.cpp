@@ -15,6 +15,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <span>
 
 #include "data/parallel.h"
 
@@ -47,6 +49,47 @@ struct Reordered {
   const float* slice(std::int64_t s) const { return values.data() + s * rows * cells; }
 };
 
+// The cells that surfaces pass through, slice by slice, in their order within each.
+class CrossedSlices {
+ public:
+  struct Cell {
+    std::int32_t row, cell;
+    std::array<float, 6> form;  // along slices, rows, cells: ss, rr, cc, rc, cs, sr
+  };
+
+  CrossedSlices(const std::vector<CrossedCell>& crossed, const SweepAxes& axes,
+                std::int64_t num_slices)
+      : first_(static_cast<std::size_t>(num_slices) + 1, 0), cells_(crossed.size()) {
+    const auto along = [](const CrossedCell& one, int axis) {
+      return one.cell[static_cast<std::size_t>(axis)];
+    };
+    for (const CrossedCell& one : crossed)
+      ++first_[static_cast<std::size_t>(along(one, axes.slice)) + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    const std::array<int, 3> order{axes.slice, axes.row, axes.cell};
+    for (const CrossedCell& one : crossed) {
+      Cell& to = cells_[next[static_cast<std::size_t>(along(one, axes.slice))]++];
+      to.row = along(one, axes.row);
+      to.cell = along(one, axes.cell);
+      for (std::size_t i = 0; i < 3; ++i) {
+        to.form[i] = one.form[static_cast<std::size_t>(order[i])];
+        // Of two axes' product the place is the third's: no axis of a pair is it.
+        to.form[3 + i] = one.form[3 + static_cast<std::size_t>(order[i])];
+      }
+    }
+  }
+
+  std::span<const Cell> of(std::int64_t slice) const {
+    const auto s = static_cast<std::size_t>(slice);
+    return std::span(cells_).subspan(first_[s], first_[s + 1] - first_[s]);
+  }
+
+ private:
+  std::vector<std::size_t> first_;
+  std::vector<Cell> cells_;
+};
+
 // Calls body(place in `to`'s memory, place in the lattice's).
 template <class Body>
 void for_each_cell(const Reordered& to, const Index3& dims, const Body& body) {
@@ -75,14 +118,20 @@ inline float attenuation(float x) {
 class Sweep {
  public:
   // `towards_light`: in cells, per world length.
-  Sweep(const Reordered& extinction, const Vec3& towards_light, const LightWay& way, float weight,
-        Reordered& sum)
+  Sweep(const Reordered& extinction, const CrossedSlices& crossed, const Vec3& towards_light,
+        const LightWay& way, float weight, Reordered& sum)
       : extinction_(extinction),
+        crossed_(crossed),
         sum_(sum),
         is_from_end_(towards_light[extinction.axes.slice] > 0),
         weight_(weight) {
     const double steepest = std::abs(towards_light[extinction.axes.slice]);
     const double length = 1 / steepest;  // world, from slice to slice
+    per_length_ = static_cast<float>(steepest);
+    const double to_slice = is_from_end_ ? 1 : -1;
+    step_ = {static_cast<float>(to_slice),
+             static_cast<float>(towards_light[extinction.axes.row] / steepest),
+             static_cast<float>(towards_light[extinction.axes.cell] / steepest)};
     absorption_ = static_cast<float>(way.share_of_extinction * length);
     regain_ = static_cast<float>(way.regain * length);
     row_drift_ = towards_light[extinction.axes.row] / steepest;
@@ -112,6 +161,7 @@ class Sweep {
       const Fraction at{static_cast<float>(row_shift - row), static_cast<float>(cell_shift - cell)};
       arrive(window, at, sum_.slice(slice));
       pad(extinction_.slice(slice));
+      add_crossed(slice);
       pass(window, at);
     }
   }
@@ -143,6 +193,18 @@ class Sweep {
     }
   }
 
+  // What surfaces absorb on the way through the slice, as extinction.
+  void add_crossed(std::int64_t slice) {
+    const auto [s, r, c] = step_;
+    for (const CrossedSlices::Cell& at : crossed_.of(slice)) {
+      const auto& f = at.form;
+      const float squared = f[0] * s * s + f[1] * r * r + f[2] * c * c +
+                            2 * (f[3] * r * c + f[4] * c * s + f[5] * s * r);
+      padded_[static_cast<std::size_t>((at.row + 1) * padded_stride_ + at.cell + 1)] +=
+          std::sqrt(std::max(squared, 0.0F)) * per_length_;
+    }
+  }
+
   // Column (r, c) of the window meets the slice between cells (r - 1, c - 1) and (r, c).
   void pass(float* window, const Fraction& at) {
     const float w00 = at.row * at.cell, w01 = at.row * (1 - at.cell);
@@ -163,9 +225,12 @@ class Sweep {
   }
 
   const Reordered& extinction_;
+  const CrossedSlices& crossed_;
   Reordered& sum_;
   bool is_from_end_;
   float weight_, absorption_, regain_;
+  float per_length_;               // slices
+  std::array<float, 3> step_;      // of a ray to the next slice, in slices, rows and cells
   double row_drift_, cell_drift_;  // of a ray, from slice to slice, against the light
   std::int64_t first_row_, first_cell_, stride_, padded_stride_;
   std::vector<float> light_;   // of the columns
@@ -199,6 +264,7 @@ std::vector<float> mean_arriving_light(const ExtinctionLattice& lattice,
     for_each_cell(extinction, lattice.dims, [&](std::size_t to, std::size_t from) {
       extinction.values[to] = lattice.extinction[from];
     });
+    const CrossedSlices crossed(lattice.crossed, kSweepAxes[axis], extinction.slices);
     std::vector<Reordered> sums;
     for (std::size_t hand = 0; hand < std::min(next, kHands); ++hand)
       sums.emplace_back(lattice.dims, kSweepAxes[axis]);
@@ -207,7 +273,7 @@ std::vector<float> mean_arriving_light(const ExtinctionLattice& lattice,
                             const auto h = static_cast<std::size_t>(hand);
                             for (const Vec3& direction : dealt[h]) {
                               if (stop.stop_requested()) return;
-                              Sweep(extinction, direction, way, weight, sums[h]).run();
+                              Sweep(extinction, crossed, direction, way, weight, sums[h]).run();
                             }
                           });
     for (const Reordered& sum : sums) {

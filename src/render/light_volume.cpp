@@ -2,6 +2,7 @@
 #include "render/light_volume.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "render/light_sweep.h"
@@ -41,7 +42,15 @@ std::vector<double> key_of(const LitScene& scene) {
   }
   for (const ClipPlane& plane : scene.clip_planes)
     key.insert(key.end(), {plane.normal[0], plane.normal[1], plane.normal[2], plane.offset});
+  for (const Geometry& one : scene.geometry) key.push_back(one.opacity);
   return key;
+}
+
+// A surface has no number of its own. One that is gone is none of those that are there, and of one
+// that nobody owns nothing is known.
+bool is_same(const std::weak_ptr<const Surface>& kept, const Geometry& geometry) {
+  const std::shared_ptr<const Surface> surface = kept.lock();
+  return surface != nullptr && surface == geometry.surface;
 }
 
 double diagonal_of(const ExtinctionLattice& lattice) {
@@ -58,9 +67,9 @@ double diagonal_of(const ExtinctionLattice& lattice) {
 }
 
 // Half of the sky is what an open surface sees: that counts as all of the light.
-std::vector<float> light_from_everywhere(const ExtinctionLattice& lattice, int threads,
-                                         const std::stop_token& stop) {
-  const double reach = kReachOfDiagonal * diagonal_of(lattice);
+std::vector<float> light_from_everywhere(const ExtinctionLattice& lattice, double diagonal,
+                                         int threads, const std::stop_token& stop) {
+  const double reach = kReachOfDiagonal * diagonal;
   std::vector<float> light = mean_arriving_light(lattice, directions_of_sphere(kSphereDirections),
                                                  {1, 1 / reach}, threads, stop);
   for (float& share : light) share = std::min(1.0F, 2 * share);
@@ -87,6 +96,43 @@ ExtinctionLattice extinction_of_scene(const LitScene& scene, int threads,
   return all;
 }
 
+// Towards the sides beyond which surfaces are not known, light becomes all of it, over some cells:
+// else shadows that reach such a side would go on beyond it.
+void fade_at_cuts(const GrownSides& sides, view::LightVolume& volume) {
+  constexpr std::int64_t kFade = 8, kPartOfRoom = 4;
+  std::array<std::vector<double>, 3> shares;  // of what is missing, that stays
+  bool is_cut = false;
+  for (std::size_t a = 0; a < 3; ++a) {
+    shares[a].assign(static_cast<std::size_t>(volume.dims[a]), 1);
+    const auto fade = [&](bool is_side_cut, std::int64_t room, const auto& cell_at) {
+      if (!is_side_cut) return;
+      is_cut = true;
+      const std::int64_t cells = std::min(kFade, room / kPartOfRoom + 1);
+      for (std::int64_t i = 0; i < cells; ++i)
+        shares[a][cell_at(i)] *= static_cast<double>(i) / static_cast<double>(cells);
+    };
+    fade(sides.is_cut_before[a], sides.before[a],
+         [](std::int64_t i) { return static_cast<std::size_t>(i); });
+    fade(sides.is_cut_behind[a], sides.behind[a],
+         [&](std::int64_t i) { return static_cast<std::size_t>(volume.dims[a] - 1 - i); });
+  }
+  if (!is_cut) return;
+  float* packed = volume.packed.data();
+  for (const double z : shares[2]) {
+    for (const double y : shares[1]) {
+      for (const double x : shares[0]) {
+        const double share = x * y * z;
+        if (share < 1) {
+          const view::ArrivingLight light = view::unpacked_light(*packed);
+          *packed =
+              view::packed_light({1 - share * (1 - light.around), 1 - share * (1 - light.key)});
+        }
+        ++packed;
+      }
+    }
+  }
+}
+
 bool has_key_light(const Look& look) { return look.shadows > 0 && look.light_direction; }
 
 }  // namespace
@@ -99,14 +145,20 @@ bool has_light_volume(const Look& look) {
 LightVolumes::Kept& LightVolumes::kept_for(const LitScene& scene, int threads,
                                            const std::stop_token& stop) {
   Key key = key_of(scene);
-  const auto found =
-      std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.key == key; });
+  const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) {
+    return kept.key == key && std::equal(kept.surfaces.begin(), kept.surfaces.end(),
+                                         scene.geometry.begin(), scene.geometry.end(), is_same);
+  });
   if (found != kept_.end()) {
     std::rotate(kept_.begin(), found, found + 1);
     return kept_.front();
   }
   Kept fresh;
   fresh.extinction = extinction_of_scene(scene, threads, stop);
+  fresh.diagonal = diagonal_of(fresh.extinction);
+  if (!scene.geometry.empty())
+    fresh.sides = add_surfaces(scene.geometry, threads, stop, fresh.extinction);
+  for (const Geometry& one : scene.geometry) fresh.surfaces.emplace_back(one.surface);
   fresh.key = std::move(key);
   fresh.volume.dims = fresh.extinction.dims;
   fresh.volume.cell_from_world = fresh.extinction.world_from_cell.inverse();
@@ -122,7 +174,7 @@ const view::LightVolume* LightVolumes::at(const LitScene& scene, int threads,
   if (!has_light_volume(look)) return nullptr;
   Kept& kept = kept_for(scene, threads, stop);
   if (look.occlusion > 0 && kept.around.empty())
-    kept.around = light_from_everywhere(kept.extinction, threads, stop);
+    kept.around = light_from_everywhere(kept.extinction, kept.diagonal, threads, stop);
   const bool has_key = has_key_light(look);
   const bool has_scatter = has_key && look.scatter > 0;
   if (has_key) {
@@ -154,6 +206,7 @@ const view::LightVolume* LightVolumes::at(const LitScene& scene, int threads,
     }
     packed[i] = view::packed_light(light);
   }
+  fade_at_cuts(kept.sides, kept.volume);
   kept.volume.has_key = has_key;
   kept.strengths = std::move(strengths);
   return &kept.volume;

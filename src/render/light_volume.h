@@ -4,16 +4,19 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <stop_token>
 #include <vector>
 
 #include "ovoid/field.h"
 #include "ovoid/further_volumes.h"
+#include "ovoid/geometry.h"
 #include "ovoid/look.h"
 #include "ovoid/render_options.h"
 #include "ovoid/surface.h"
 #include "render/extinction_lattice.h"
+#include "render/surface_extinction.h"
 #include "view/light_volume.h"
 
 namespace ovoid {
@@ -42,6 +45,7 @@ struct LitScene {
   // The surface of the field's mesh, which lets no light through, whatever the look makes of the
   // field; null: the field.
   const Surface* solid = nullptr;
+  std::span<const Geometry> geometry{};  // valid; what stands beside the field
 };
 
 class LightVolumes {
@@ -55,7 +59,10 @@ class LightVolumes {
   using Key = std::vector<double>;
   struct Kept {
     Key key;
+    std::vector<std::weak_ptr<const Surface>> surfaces;  // of the geometry
     ExtinctionLattice extinction;
+    GrownSides sides;           // of it, to hold the surfaces
+    double diagonal = 0;        // world: of the fields' box, without surfaces
     std::vector<float> around;  // shares of light from everywhere; empty: not asked for yet
     Key key_light;              // what the two below are made of
     std::vector<float> key_share, scattered;

@@ -14,6 +14,7 @@
 #include "data/validate.h"
 #include "ovoid/error.h"
 #include "ovoid/geometry.h"
+#include "ovoid/render_mesh.h"
 #include "render/label_limits.h"
 #include "render/limits_by_rows.h"
 #include "render/paint_surface.h"
@@ -161,6 +162,17 @@ bool changes_picture(const LabelSurfaces& labels) {
          });
 }
 
+// Whether a mesh says where its field is, or is seen.
+bool has_limits(const Scenery& scenery) {
+  return scenery.mesh != nullptr && (scenery.mesh->encloses_mesh() || scenery.walls.opacity > 0);
+}
+
+using SceneryClock = std::chrono::steady_clock;
+
+double ms_of_scenery(SceneryClock::time_point start) {
+  return std::chrono::duration<double, std::milli>(SceneryClock::now() - start).count();
+}
+
 [[noreturn]] void tell_of_memory(const RenderOptions& options) {
   throw Error(ErrorCode::kOutOfMemory,
               fmt::format("surfaces and slices in {} x {} pixels: no memory", options.width,
@@ -171,6 +183,20 @@ void require_valid_frame(const Camera& camera, const Look& look, const RenderOpt
   camera.validate();
   look.validate();
   options.validate();
+}
+
+void require_valid_scenery(const Scenery& scenery, const Look& look, const RenderOptions& options) {
+  for (const Geometry& one : scenery.geometry) one.validate();
+  for (const FieldSlice& slice : scenery.slices) slice.validate();
+  scenery.labels.validate();
+  if (look.mode != Mode::kComposite && look.mode != Mode::kIsosurface) {
+    throw Error(
+        ErrorCode::kUnsupported,
+        "surfaces, slices and labels: are for the modes composite and isosurface; the greatest, "
+        "mean or integrated value knows no colours beside its own");
+  }
+  if (has_limits(scenery) && options.depth_limits != nullptr)
+    throw Error(ErrorCode::kInvalidArgument, "depth_limits: the mesh's boundary makes them");
 }
 
 }  // namespace
@@ -222,45 +248,58 @@ Frame render_with_scenery(Renderer& renderer, const Field& field, const Camera& 
                           const Look& look, const Scenery& scenery, const RenderOptions& options,
                           const RenderHooks& hooks) try {
   const bool has_labels = changes_picture(scenery.labels);
-  if (scenery.geometry.empty() && scenery.slices.empty() && !has_labels)
-    return renderer.render(field, camera, look, options, hooks);
+  if (scenery.geometry.empty() && scenery.slices.empty() && !has_labels) {
+    if (scenery.mesh == nullptr) return renderer.render(field, camera, look, options, hooks);
+    return render_mesh(renderer, field, *scenery.mesh, camera, look, scenery.walls, options, hooks);
+  }
   data::require_field(field);
   require_valid_frame(camera, look, options);
-  for (const FieldSlice& slice : scenery.slices) slice.validate();
-  scenery.labels.validate();
-  if (look.mode != Mode::kComposite && look.mode != Mode::kIsosurface) {
-    throw Error(
-        ErrorCode::kUnsupported,
-        "surfaces, slices and labels: are for the modes composite and isosurface; the greatest, "
-        "mean or integrated value knows no colours beside its own");
-  }
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
+  require_valid_scenery(scenery, look, options);
+  const auto start = SceneryClock::now();
   const int threads = renderer.threads();
+  RenderOptions within = options;
+  const bool has_mesh = has_limits(scenery);
+  const auto bound = [&](const view::LightVolume* light) {
+    within.depth_limits = std::make_shared<DepthLimits>(boundary_limits_in_light(
+        *scenery.mesh, camera, look, scenery.walls, options, threads, hooks.stop, light));
+  };
+  const bool has_surfaces = !scenery.geometry.empty();
+  if (has_mesh && (!has_surfaces || !scenery.slices.empty())) bound(nullptr);
   std::vector<DepthLimits> layers;
   for (const FieldSlice& slice : scenery.slices)
     layers.push_back(
-        slice_limits(slice, scenery.labels, renderer, field, camera, look, options, hooks));
+        slice_limits(slice, scenery.labels, renderer, field, camera, look, within, hooks));
+  const bool hides_field = has_mesh && scenery.walls.opacity >= 1 && scenery.mesh->encloses_mesh();
+  const LightBlockers blockers{hides_field ? scenery.mesh : nullptr, scenery.geometry};
+  const auto light_start = SceneryClock::now();
   // Valid until the renderer draws.
   const SurfaceLight light =
-      scenery.geometry.empty() && !has_labels
-          ? SurfaceLight{}
-          : SurfaceLight::of(renderer, field, nullptr, camera, look, options, hooks);
+      has_surfaces ? SurfaceLight::of(renderer, field, blockers, camera, look, options, hooks)
+      : has_labels ? SurfaceLight::of(renderer, field, {}, camera, look, options, hooks)
+                   : SurfaceLight{};
+  const double light_ms = has_surfaces ? ms_of_scenery(light_start) : 0;
+  if (has_mesh && has_surfaces) bound(light.volume);
   for (const Geometry& one : scenery.geometry)
     layers.push_back(layers_of(one, camera, look, options, threads, hooks.stop, light.volume));
   std::optional<DepthLimits> labels;
   if (has_labels) {
     labels = label_limits(scenery.labels, camera, look, options, threads, hooks.stop, light.volume);
   }
-  const bool are_alone = labels && layers.empty() && options.depth_limits == nullptr;
+  const bool are_alone = labels && layers.empty() && within.depth_limits == nullptr;
   RenderOptions among = options;
   among.depth_limits = std::make_shared<DepthLimits>(
       are_alone ? std::move(*labels)
-                : merged_limits(layers, labels ? &*labels : nullptr, options, threads, hooks.stop));
-  const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-  Frame frame = renderer.render(field, camera, look, among, hooks);
+                : merged_limits(layers, labels ? &*labels : nullptr, within, threads, hooks.stop));
+  const double ms = ms_of_scenery(start);
+  Frame frame = has_surfaces
+                    ? SurfaceLight::draw(renderer, field, blockers, camera, look, among, hooks)
+                    : renderer.render(field, camera, look, among, hooks);
   frame.profile.frame_ms += ms;
-  if (options.collect_profile) frame.profile.stages_ms.emplace_back("scenery", ms);
+  auto& stages = frame.profile.stages_ms;
+  for (auto& [stage, stage_ms] : stages) {  // the field's frame has found it made
+    if (stage == "light volume") stage_ms += light_ms;
+  }
+  if (options.collect_profile) stages.emplace_back("scenery", ms - light_ms);
   return frame;
 } catch (const std::bad_alloc&) {
   tell_of_memory(options);

@@ -225,6 +225,106 @@ TEST(Geometry, TheFieldShadowsIt) {
   EXPECT_NEAR(brightness(1, right), brightness(0, right), 0.02);
 }
 
+// Lit from the eye's side and from the right, so that what stands to the right of the cube and
+// before it shadows it.
+Look under_a_key(double shadows, double occlusion = 0) {
+  Look look = without_light(0.95);
+  look.shade = true;
+  look.light = Light::kSingle;
+  look.light_direction = Vec3(1, 0, -1);
+  look.material = {0.1, 0.9, 0, 1};
+  look.shadows = shadows;
+  look.occlusion = occlusion;
+  return look;
+}
+
+// 4 before the cube; its shadow falls on the cube's middle.
+std::vector<Geometry> before_the_cube(double opacity) {
+  return {{box_surface({2, -3, -8.1}, {6, 3, -8}), kSceneRed, opacity}};
+}
+
+// Fails if surfaces cast nothing on the field, or if they do where nobody asks for it.
+TEST(Geometry, ShadowsTheField) {
+  const auto blue = [&](double shadows, const std::vector<Geometry>& geometry, int x) {
+    return pixel(drawn_with(cube_field(), under_a_key(shadows), geometry).image, x, 32).b();
+  };
+  const int shadowed = 32, beside = 18;
+  EXPECT_LT(blue(1, before_the_cube(1), shadowed), 0.4 * blue(1, {}, shadowed));
+  const double half = blue(1, before_the_cube(1 - std::sqrt(0.5)), shadowed);
+  const double unlit = 0.1;  // ambient
+  EXPECT_NEAR((half - unlit) / (blue(1, {}, shadowed) - unlit), 0.5, 0.1);
+  // Cells of light are 1 wide, and this is 1.4 beside the shadow.
+  EXPECT_NEAR(blue(1, before_the_cube(1), beside), blue(1, {}, beside), 0.1);
+  EXPECT_NEAR(blue(0, before_the_cube(1), shadowed), blue(0, {}, shadowed), 1e-4);
+}
+
+// Fails if what is cast on a mesh's walls is not seen, or if they lose what they have without
+// surfaces.
+TEST(Geometry, ShadowsTheWallsOfAMesh) {
+  const auto mesh =
+      make_surface(model::mesh_dataset({{-4, -4, -4},
+                                        {4, -4, -4},
+                                        {4, 4, -4},
+                                        {-4, 4, -4},
+                                        {-4, -4, 4},
+                                        {4, -4, 4},
+                                        {4, 4, 4},
+                                        {-4, 4, 4}},
+                                       {{CellType::kHexahedron, {0, 1, 2, 3, 4, 5, 6, 7}}}));
+  ASSERT_TRUE(mesh->encloses_mesh());
+  Renderer renderer(Backend::kCpu, 1);
+  Look look = under_a_key(1);
+  const auto blue = [&](const std::vector<Geometry>& geometry, int x) {
+    Scenery scenery{geometry, {}};
+    scenery.mesh = mesh.get();
+    scenery.walls = {1, false};
+    const Image image =
+        render_with_scenery(renderer, cube_field(), towards_z(), look, scenery, of_scene()).image;
+    return pixel(image, x, 32).b();
+  };
+  EXPECT_LT(blue(before_the_cube(1), 32), 0.4 * blue({}, 32));
+  EXPECT_NEAR(blue(before_the_cube(1), 18), blue({}, 18), 0.02);
+  RenderOptions options = of_scene();
+  options.depth_limits = std::make_shared<DepthLimits>();
+  Scenery twice{before_the_cube(1), {}};
+  twice.mesh = mesh.get();
+  EXPECT_THROW(render_with_scenery(renderer, cube_field(), towards_z(), look, twice, options),
+               Error);
+}
+
+TEST(Geometry, CastsAlikeOnAllBackEnds) {
+  for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
+    Look look = under_a_key(0.9, 0.7);
+    look.scatter = 0.5;
+    look.mode = mode;
+    look.isovalue = 0.5;
+    const Image cpu = drawn_with(cube_field(), look, before_the_cube(0.7)).image;
+    const Image reference =
+        drawn_with(cube_field(), look, before_the_cube(0.7), of_scene(), Backend::kReference).image;
+    EXPECT_GT(test::compare(cpu, reference).psnr_db, 56) << static_cast<int>(mode);
+    EXPECT_EQ(drawn_with(cube_field(), look, before_the_cube(0.7), of_scene(), Backend::kCpu, 3)
+                  .image.rgba,
+              cpu.rgba);
+  }
+}
+
+// Slices are annotations.
+TEST(FieldSlices, CastNothing) {
+  Renderer renderer(Backend::kCpu, 1);
+  const Look look = under_a_key(1, 0.8);
+  Scenery scenery;
+  scenery.geometry = before_the_cube(1);
+  const auto picture = [&] {
+    return render_with_scenery(renderer, cube_field(), towards_z(), look, scenery, of_scene())
+        .image;
+  };
+  const Image without = picture();
+  // Through the cube, far from what is seen of it.
+  scenery.slices = {{{0, 0, 1}, 3.9, test::uniform_look(1).transfer_function, 1}};
+  const Image with = picture();
+  EXPECT_NEAR(pixel(with, 40, 32).b(), pixel(without, 40, 32).b(), 1e-3);
+}
+
 // A ramp along x, and gray from -4 to 4: the slice shows x, where the cube is.
 TEST(FieldSlices, ShowTheFieldAtTheirDepth) {
   Dataset dataset;

@@ -37,7 +37,7 @@ Frame render_opaque(Renderer& renderer, const Field& field, const Surface& surfa
   SurfaceLight light;
   const SurfaceClock::time_point start = SurfaceClock::now();
   if (surface.encloses_mesh())
-    light = SurfaceLight::of(renderer, field, &surface, camera, look, options, hooks);
+    light = SurfaceLight::of(renderer, field, {&surface}, camera, look, options, hooks);
   const double light_ms = ms_since(start);
   Frame frame = paint_surface(surface, camera, look, walls, options, renderer.threads(), hooks,
                               {lids ? &*lids : nullptr, light.volume});
@@ -75,7 +75,7 @@ Frame render_mesh(Renderer& renderer, const Field& field, const Surface& surface
   RenderOptions within = options;
   SurfaceLight light;  // what the field within lets through reaches the walls
   if (walls.opacity > 0)
-    light = SurfaceLight::of(renderer, field, nullptr, camera, look, options, hooks);
+    light = SurfaceLight::of(renderer, field, {}, camera, look, options, hooks);
   within.depth_limits = std::make_shared<DepthLimits>(boundary_limits_in_light(
       surface, camera, look, walls, options, renderer.threads(), hooks.stop, light.volume));
   const double boundary_ms = ms_since(start);

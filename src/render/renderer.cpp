@@ -231,7 +231,8 @@ class ReferenceBackEnd final : public BackEnd {
 
 struct __attribute__((visibility("hidden"))) Renderer::Impl {
   Frame draw(const Field& field, const Camera& camera, const Look& look, const Trail* trail,
-             const RenderOptions& options, const RenderHooks& hooks);
+             const RenderOptions& options, const RenderHooks& hooks,
+             const LightBlockers& blockers = {});
   // Each volume in a picture of its own, and what these make together.
   Frame draw_each(const Field& field, const Camera& camera, const Look& look,
                   const RenderOptions& options, const RenderHooks& hooks);
@@ -296,7 +297,7 @@ Frame Renderer::render(const Field& field, const Camera& camera, const Look& loo
 
 Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look& look,
                            const Trail* trail, const RenderOptions& options,
-                           const RenderHooks& hooks) try {
+                           const RenderHooks& hooks, const LightBlockers& blockers) try {
   data::require_field(field);
   camera.validate();
   look.validate();
@@ -335,8 +336,9 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
         view::limits_of_part(sheets, lattice, options.depth_limits.get()));
   }
   const Clock::time_point light_start = Clock::now();
-  const LitBy lit_by =
-      light_for({drawn, own_look, options.clip_planes, further, options.mixing}, hooks);
+  const LitBy lit_by = light_for({drawn, own_look, options.clip_planes, further, options.mixing,
+                                  blockers.solid, blockers.geometry},
+                                 hooks);
   const double light_ms = milliseconds_since(light_start);
   const FrameJob job{drawn,       camera, own_look,      trail_view ? &*trail_view : nullptr,
                      own_options, hooks,  lit_by.volume, nullptr,
@@ -363,13 +365,30 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
                           options.height));
 }
 
-SurfaceLight SurfaceLight::of(Renderer& renderer, const Field& field, const Surface* solid,
+SurfaceLight SurfaceLight::of(Renderer& renderer, const Field& field, const LightBlockers& blockers,
                               const Camera& camera, const Look& look, const RenderOptions& options,
                               const RenderHooks& hooks) {
+  Renderer::Impl& impl = *renderer.impl_;
   const Look own_look = completed(look, field, camera);
-  const auto [volume, notice] =
-      renderer.impl_->light_for({field, own_look, options.clip_planes, {}, {}, solid}, hooks);
+  if (blockers.geometry.empty()) {
+    const auto [volume, notice] =
+        impl.light_for({field, own_look, options.clip_planes, {}, {}, blockers.solid}, hooks);
+    return {volume, notice};
+  }
+  if (options.further != nullptr) require_further(field, look, false, options);
+  const Field drawn =
+      impl.levels.at(field, coarsest_level(field, camera, options), renderer.threads(), hooks.stop);
+  const std::vector<FurtherVolume> further = impl.further_to_draw(camera, options, hooks);
+  const auto [volume, notice] = impl.light_for({drawn, own_look, options.clip_planes, further,
+                                                options.mixing, blockers.solid, blockers.geometry},
+                                               hooks);
   return {volume, notice};
+}
+
+Frame SurfaceLight::draw(Renderer& renderer, const Field& field, const LightBlockers& blockers,
+                         const Camera& camera, const Look& look, const RenderOptions& options,
+                         const RenderHooks& hooks) {
+  return renderer.impl_->draw(field, camera, look, nullptr, options, hooks, blockers);
 }
 
 Frame Renderer::Impl::draw_each(const Field& field, const Camera& camera, const Look& look,

@@ -17,7 +17,7 @@ import subprocess
 import tempfile
 
 from magnification import OVOID, picture_of
-from volumes import data_folder
+from volumes import array_flags, data_folder
 
 ENOUGH = 55.0  # dB between one picture and that of half the distance
 FINEST = 128  # sheets per default distance
@@ -77,7 +77,7 @@ class Subject:
     def draw(self, flags, turn=0.0, frames=1):
         """The picture, and the median frame in ms."""
         picture, profile = os.path.join(self.folder, "picture.npy"), os.path.join(self.folder, "profile.json")
-        subprocess.run([OVOID, "render", *self.path.split("+"), "--sheets", "image", "--size", f"{self.size}x{self.size}", *self.seen, "--azimuth", str(30 + turn), "--elevation", "20", *self.look,
+        subprocess.run([OVOID, "render", *self.path.split("+"), *array_flags(self.path), "--sheets", "image", "--size", f"{self.size}x{self.size}", *self.seen, "--azimuth", str(30 + turn), "--elevation", "20", *self.look,
                         *flags, "--backend", "cpu", "--repeat", str(frames), f"--profile={profile}", "-o", picture], check=True, stderr=subprocess.DEVNULL)
         with open(profile, encoding="utf-8") as file:
             return colors_of(picture), json.load(file)["frame_ms"]["median"]
@@ -123,7 +123,7 @@ def main():
           "refined, ms | refined / sampled |\n|" + "---|" * 12)
     with tempfile.TemporaryDirectory() as folder:
         for path in options.files or [*made_in(folder), *real_files()]:
-            field = json.loads(subprocess.run([OVOID, "info", "--json", *path.split("+")], check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout)["field"]
+            field = json.loads(subprocess.run([OVOID, "info", "--json", *path.split("+"), *array_flags(path)], check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout)["field"]
             for look, flags in looks_of(*field["range"]).items():
                 subject = Subject(path, flags, options.size, folder)
                 exact, sheets = subject.converged(field["default_sampling_distance"])

@@ -18,6 +18,7 @@ import tempfile
 import time
 
 import plots
+from volumes import array_flags
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 OVOID = os.path.join(ROOT, "build", "release", "bin", "ovoid")
@@ -32,7 +33,7 @@ def ovoid(*words):
 
 
 def info(path):
-    return json.loads(subprocess.run([OVOID, "info", "--json", path], check=True, capture_output=True, text=True).stdout)
+    return json.loads(subprocess.run([OVOID, "info", "--json", path, *array_flags(path)], check=True, capture_output=True, text=True).stdout)
 
 
 def profile_of(folder, *words):
@@ -125,9 +126,9 @@ def particle_table(folder, most, frames, picture):
         ovoid("make", "galaxy", "--count", str(count), "-o", path)
         size = ["--size", f"{PIXELS}x{PIXELS}"]
         begin = time.perf_counter()
-        ovoid("render", path, *size, "-o", os.path.join(folder, "picture.png"))
+        ovoid("render", path, *array_flags(path), *size, "-o", os.path.join(folder, "picture.png"))
         first = time.perf_counter() - begin
-        profile = profile_of(folder, path, *size, "--repeat", str(frames))
+        profile = profile_of(folder, path, *array_flags(path), *size, "--repeat", str(frames))
         print(f"| {count} | {first:.2f} | {profile['frame_ms']['median']:.0f} ({profile['frame_ms']['min']:.0f}) | "
               f"{profile['peak_memory_bytes'] / 2 ** 20:.0f} |")
         rows.append((count, first, profile["frame_ms"]["median"] / 1000))
@@ -148,7 +149,7 @@ def grid_table(folder, count, frames):
     field = info(path)["field"]
     print(f"{count} particles, {PIXELS} x {PIXELS}\n")
     print("| program | shaded | ready to draw after, ms | frame, ms (least) |\n|---|---|---|---|")
-    own = profile_of(folder, path, "--size", f"{PIXELS}x{PIXELS}", "--repeat", str(frames))
+    own = profile_of(folder, path, *array_flags(path), "--size", f"{PIXELS}x{PIXELS}", "--repeat", str(frames))
     print(f"| ovoid, no grid | yes | {own['load_ms'] + own['model_ms']:.0f} | {own['frame_ms']['median']:.0f} ({own['frame_ms']['min']:.0f}) |")
     for grid, name in GRID_FILTERS.items():
         peer = run_peer("fixed", ["--volume", plain, "--grid", grid, "--width", str(PIXELS), "--height", str(PIXELS), "--sampling-distance",

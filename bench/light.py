@@ -12,6 +12,8 @@ import subprocess
 import sys
 import tempfile
 
+from volumes import array_flags
+
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 OVOID = os.path.join(ROOT, "build", "release", "bin", "ovoid")
 LIGHTS = {"without": ["--occlusion", "0"], "occlusion": ["--occlusion", "0.4"], "shadows": ["--occlusion", "0", "--shadows", "0.7"],
@@ -21,7 +23,7 @@ LIGHTS = {"without": ["--occlusion", "0"], "occlusion": ["--occlusion", "0.4"], 
 def profile_of(folder, path, light, repeat):
     profile = os.path.join(folder, "profile.json")
     volume = ["--surface=0"] if path.endswith((".vtu", ".vtk", ".ex2", ".e")) else []
-    subprocess.run([OVOID, "render", path, "--shade", *volume, "--size", "512x512", *repeat, f"--profile={profile}", "-o",
+    subprocess.run([OVOID, "render", path, "--shade", *volume, *array_flags(path), "--size", "512x512", *repeat, f"--profile={profile}", "-o",
                     os.path.join(folder, "picture.png"), *light], check=True, stderr=subprocess.DEVNULL)
     with open(profile, encoding="utf-8") as file:
         return json.load(file)

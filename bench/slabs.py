@@ -13,13 +13,15 @@ import subprocess
 import sys
 import tempfile
 
+from volumes import array_flags
+
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 OVOID = os.path.join(ROOT, "build", "release", "bin", "ovoid")
 
 
 def picture_of(folder, path, slab, distance, unit):
     picture, profile = os.path.join(folder, "picture.npy"), os.path.join(folder, "profile.json")
-    subprocess.run([OVOID, "render", path, "--view", "+z", "--fit", "box", "--slab", slab, "--sampling-distance", str(distance), "--unit-distance", str(unit), "--size",
+    subprocess.run([OVOID, "render", path, *array_flags(path), "--view", "+z", "--fit", "box", "--slab", slab, "--sampling-distance", str(distance), "--unit-distance", str(unit), "--size",
                     "256x256", "--repeat", "3", f"--profile={profile}", "-o", picture], check=True, stderr=subprocess.DEVNULL)
     with open(picture, "rb") as file:
         data = file.read()
@@ -34,7 +36,7 @@ def psnr(values, wanted):
 
 
 def table(folder, path):
-    described = json.loads(subprocess.run([OVOID, "info", "--json", path], check=True, capture_output=True, text=True).stdout)["field"]
+    described = json.loads(subprocess.run([OVOID, "info", "--json", path, *array_flags(path)], check=True, capture_output=True, text=True).stdout)["field"]
     distance, unit = described["default_sampling_distance"], described["default_unit_distance"]
     wanted, _ = picture_of(folder, path, "mean", distance / 16, unit)
     print(f"{os.path.basename(path)}\n\n| slab | distance | frame, ms | PSNR, dB |\n|---|---|---|---|")

@@ -22,9 +22,9 @@ void add_part(const TrailPart& part, const TrailWeight& weight, std::vector<Time
     moments.push_back({part.second, weight.integral(middle, part.until)});
     return;
   }
-  const double cuts = std::clamp(std::ceil(part.steps), 1.0, kMostCuts);
+  const int cuts = static_cast<int>(std::clamp(std::ceil(part.steps), 1.0, kMostCuts));
   const double step = (part.until - part.from) / cuts;
-  for (double i = 0; i < cuts; ++i) {
+  for (int i = 0; i < cuts; ++i) {
     const double from = part.from + i * step;
     const double until = i + 1 < cuts ? part.from + (i + 1) * step : part.until;
     moments.push_back({weight.centroid(from, until), weight.integral(from, until)});

@@ -388,7 +388,7 @@ class Animator {
       surface_ = surface_of(dataset, drawing, modelled, session_);
       if (drawing.trail.length)
         trail_ = make_trail(drawing.trail, series_, frame.time, drawing.model, drawing.run.threads,
-                            look, values_, session_);
+                            {field_, look, values_, animate_.data.memory_limit}, session_);
       time_ = frame.time;
       if (are_own_labels && series_.num_steps() > 1)
         beside_.labels = own_labels_of_step(field_, beside_.labels, drawing.run.threads, session_);

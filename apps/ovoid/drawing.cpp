@@ -280,6 +280,27 @@ std::optional<PointStyle> points_to_draw(const PointFlags& points) {
 
 namespace {
 
+// Options of a frame that ends at the surface of its mesh, if it has one.
+RenderOptions within_surface(const Renderer& renderer, const FrameSubject& subject,
+                             const Camera& camera, const RenderOptions& options,
+                             const RenderHooks& hooks) {
+  RenderOptions within = options;
+  const Surface* const surface = subject.surface;
+  if (surface != nullptr && (surface->encloses_mesh() || subject.walls.opacity > 0)) {
+    within.depth_limits = std::make_shared<DepthLimits>(boundary_limits(
+        *surface, camera, subject.look, subject.walls, options, renderer.threads(), hooks.stop));
+  }
+  return within;
+}
+
+Frame draw_with_trail(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
+                      const RenderOptions& options, const RenderHooks& hooks) {
+  const bool has_limits = subject.field.kernels() != nullptr;  // lattices have none with a trail
+  return renderer.render(
+      subject.field, camera, subject.look, *subject.trail,
+      has_limits ? within_surface(renderer, subject, camera, options, hooks) : options, hooks);
+}
+
 // A mesh's field within its surface, among the surfaces of --add.
 Frame draw_with_scenery(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
                         const RenderOptions& options, const RenderHooks& hooks) {
@@ -299,7 +320,7 @@ Frame draw_frame(Renderer& renderer, const FrameSubject& subject, const Camera& 
     return render_points(*field.kernels(), camera, look, *points, options, renderer.threads(),
                          hooks);
   }
-  if (trail != nullptr) return renderer.render(field, camera, look, *trail, options, hooks);
+  if (trail != nullptr) return draw_with_trail(renderer, subject, camera, options, hooks);
   if (scenery != nullptr && !scenery->empty() && plane == nullptr)
     return draw_with_scenery(renderer, subject, camera, options, hooks);
   if (surface == nullptr) {

@@ -76,11 +76,12 @@ Camera make_camera(const CameraFlags& flags, const CameraSubject& subject) {
   Camera camera = start_camera(flags, subject);
   turn(camera, flags);
   if (flags.file.empty() && flags.fit == Fit::kVisible) {
-    const Framing framing{subject.aspect, Framing().fill, subject.is_for_turning,
-                          subject.clip_planes, subject.further};
+    const Framing framing{subject.aspect,      Framing().fill,  subject.is_for_turning,
+                          subject.clip_planes, subject.further, subject.before};
     const Look look = framed_look(subject);
-    camera = subject.surface != nullptr ? framed(camera, *subject.surface, framing)
-                                        : framed(camera, subject.field, look, framing);
+    camera = subject.surface != nullptr && subject.before.empty()
+                 ? framed(camera, *subject.surface, framing)
+                 : framed(camera, subject.field, look, framing);
   }
   camera.zoom(flags.zoom);
   try {

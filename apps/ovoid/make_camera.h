@@ -30,6 +30,7 @@ struct CameraSubject {
   std::shared_ptr<const std::vector<FurtherVolume>> further{};  // drawn with the field
   // Of the field, which count where the look shows nothing of it; null: none.
   const std::vector<FieldSlice>* slices = nullptr;
+  std::vector<Field> before{};  // where the field has been, which is to be seen, too
 };
 
 // The default view of the subject, or the file's camera, with the flags applied. Throws Error.

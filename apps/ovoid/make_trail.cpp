@@ -9,46 +9,114 @@
 #include "make_look.h"
 #include "ovoid/error.h"
 #include "ovoid/slices.h"
+#include "series_survey.h"
 
 namespace ovoid::cli {
 namespace {
 
-constexpr double kShareOfOpacity = 0.25;    // of the picture's own
-constexpr double kOpacityOfSurface = 0.05;  // of what was within a surface
+// How opaque a trail is. Opacities are over a spacing, or two sigmas of kernels, of which fewer lie
+// behind each other.
+struct Faintness {
+  double share;       // of the picture's own opacity
+  double of_surface;  // what was within an isosurface
+};
+constexpr Faintness kFaintLattice{0.25, 0.05};
+constexpr Faintness kFaintKernels{0.5, 0.2};
+
+const Faintness& faintness_of(const Field& field) {
+  return field.lattice() != nullptr ? kFaintLattice : kFaintKernels;
+}
 
 // What the picture shows, but fainter; within an isosurface a haze of its colour, from half-way up
 // to the isovalue on.
-TransferFunction fainter(const Look& look, const ValueRange& values) {
+TransferFunction fainter(const Look& look, const ValueRange& values, const Faintness& than) {
   TransferFunction faint = look.transfer_function;
   if (look.mode == Mode::kIsosurface) {
     const Rgb color = faint.color_at(look.isovalue);
     faint = {};
     faint.colors = {{look.isovalue, color}};
     faint.opacities = {{0.5 * (static_cast<double>(values.lo) + look.isovalue), 0.0},
-                       {look.isovalue, kOpacityOfSurface}};
+                       {look.isovalue, than.of_surface}};
     return faint;
   }
-  for (OpacityPoint& point : faint.opacities) point.opacity *= kShareOfOpacity;
-  if (faint.opacities.empty()) faint.opacities = {{faint.lo(), kShareOfOpacity}};
+  for (OpacityPoint& point : faint.opacities) point.opacity *= than.share;
+  if (faint.opacities.empty()) faint.opacities = {{faint.lo(), than.share}};
   return faint;
 }
 
-TransferFunction function_of(const TrailFlags& flags, const Look& look, const ValueRange& values,
-                             Session& session) {
-  if (flags.file.empty()) return fainter(look, values);
+// The height that half of some kernels' places have less than, of a sum.
+double usual_height(const KernelField& field) {
+  constexpr std::int64_t kMostPlaces = 4096;
+  const KernelSource& source = field.source();
+  const std::int64_t every = std::max<std::int64_t>(1, source.num_kernels() / kMostPlaces);
+  const KernelSampler sampler(field);
+  std::vector<double> heights;
+  std::int64_t next = 0;
+  for (std::int64_t b = 0; b < source.num_bricks(); ++b) {
+    const KernelBrick& brick = source.brick(b);
+    if (next < brick.count) {
+      const KernelView view = source.acquire(b, 0.0);
+      for (; next < brick.count; next += every) {
+        const Vec3 offset(view.center[0][next], view.center[1][next], view.center[2][next]);
+        heights.push_back(sampler.at(brick.origin + offset).value);
+      }
+    }
+    next -= brick.count;
+  }
+  const auto middle = heights.begin() + std::ssize(heights) / 2;
+  std::nth_element(heights.begin(), middle, heights.end());
+  return *middle;
+}
+
+// The values of what is spread over a trail are less than those of what is there. Its look is for
+// values that are as many times less, so that both show alike.
+void scale_to_trail(const KernelField& now, const KernelField& trail, TransferFunction& tf) {
+  if (now.reconstruction() != Reconstruction::kSum) return;
+  const double ratio = usual_height(trail) / usual_height(now);
+  if (!(ratio > 0) || !std::isfinite(ratio)) return;
+  tf.linear_width *= ratio;
+  for (OpacityPoint& point : tf.opacities) point.x *= ratio;
+  if (now.has_own_color()) return;
+  for (ColorPoint& point : tf.colors) point.x *= ratio;
+}
+
+TransferFunction function_of(const TrailFlags& flags, const TrailSubject& subject,
+                             const Trail& trail, Session& session) {
+  const Faintness& faintness = faintness_of(subject.now);
+  if (flags.file.empty()) {
+    TransferFunction faint = fainter(subject.look, subject.values, faintness);
+    if (!trail.moments.empty())
+      scale_to_trail(*subject.now.kernels(), trail.moments.front().field, faint);
+    return faint;
+  }
   TransferFunction tf = look_of_flag("--trail-tf", flags.file, flags.file_name).transfer_function;
   if (tf.opacities.empty()) {
     session.note(source_of_flag("--trail-tf", flags.file) +
                  ": has no opacities, the trail is drawn with a ramp over its span");
-    tf.opacities = {{tf.lo(), 0.0}, {tf.hi(), kShareOfOpacity}};
+    tf.opacities = {{tf.lo(), 0.0}, {tf.hi(), faintness.share}};
   }
   return tf;
+}
+
+// The array that is drawn is drawn of all steps; a density is none.
+ModelFlags model_of(const Dataset& like, const DrawingFlags& drawing, const Modelled& modelled) {
+  ModelFlags model = drawing.model;
+  if (!model.kernels.is_density && find_array(like, modelled.array) != nullptr)
+    model.array = modelled.array;
+  return model;
+}
+
+// When the picture of a step is.
+double time_of_trail(const DataFlags& data, const Series& series, std::int64_t step) {
+  const auto& times = series.times();
+  if (data.slice.plane) return std::clamp(data.slice.plane->offset, times.front(), times.back());
+  return data.time.value_or(times[static_cast<std::size_t>(step)]);
 }
 
 }  // namespace
 
 Trail make_trail(const TrailFlags& flags, const Series& series, double time,
-                 const ModelFlags& model, int threads, const Look& look, const ValueRange& values,
+                 const ModelFlags& model, int threads, const TrailSubject& subject,
                  Session& session) {
   if (series.num_steps() < 2) {
     throw Error(ErrorCode::kInvalidArgument,
@@ -59,10 +127,36 @@ Trail make_trail(const TrailFlags& flags, const Series& series, double time,
   options.decay = flags.decay;
   options.threads = threads;
   options.stop = session.stop();
-  const Dataset dataset = trail_before(series, time, options);
+  if (subject.memory_limit) options.memory_limit = *subject.memory_limit / 2;
+  Trail trail;
+  if (const KernelField* const now = subject.now.kernels()) {
+    const std::shared_ptr<const Dataset> like = series.step(series.nearest_step(time));
+    const KernelModelOptions kernels = [&] {
+      const Quiet quiet(session);
+      return kernel_options(*like, model, threads, session);
+    }();
+    KernelTrail found = kernel_trail_before(series, time, options, kernels, *now);
+    session.notes(found.notes);
+    trail.moments = std::move(found.moments);
+  } else {
+    const Dataset dataset = trail_before(series, time, options);
+    const Quiet quiet(session);
+    trail.field = *make_field(dataset, model, threads, session).field.lattice();
+  }
+  trail.transfer_function = function_of(flags, subject, trail, session);
+  return trail;
+}
+
+std::vector<Field> before_trail(const DataFlags& data, const DrawingFlags& drawing,
+                                const Modelled& now, std::int64_t step, Session& session) {
+  if (!drawing.trail.length || now.field.kernels() == nullptr) return {};
+  const Series series = open_shown_series(data, session);
+  const double time = time_of_trail(data, series, step);
+  const Dataset dataset = data_at(
+      series, std::max(time - *drawing.trail.length, series.times().front()), drawing, session);
+  const ModelFlags model = model_of(dataset, drawing, now);
   const Quiet quiet(session);
-  const Modelled modelled = make_field(dataset, model, threads, session);
-  return {*modelled.field.lattice(), function_of(flags, look, values, session)};
+  return {make_field(dataset, model, drawing.run.threads, session).field};
 }
 
 std::optional<Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing,
@@ -71,14 +165,12 @@ std::optional<Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing
   if (!drawing.trail.length) return std::nullopt;
   Progress progress("blurring");
   const Series series = open_shown_series(data, session);
-  const auto& times = series.times();
-  const double time = data.slice.plane
-                          ? std::clamp(data.slice.plane->offset, times.front(), times.back())
-                          : data.time.value_or(times[static_cast<std::size_t>(step)]);
-  ModelFlags model = drawing.model;
-  model.array = modelled.array;
-  return make_trail(drawing.trail, series, time, model, drawing.run.threads, look,
-                    modelled.field.value_range(), session);
+  const double time = time_of_trail(data, series, step);
+  const ModelFlags model =
+      model_of(*series.step(series.nearest_step(time), session.stop()), drawing, modelled);
+  return make_trail(drawing.trail, series, time, model, drawing.run.threads,
+                    {modelled.field, look, modelled.field.value_range(), data.memory_limit},
+                    session);
 }
 
 }  // namespace ovoid::cli

@@ -2,8 +2,10 @@
 // --motion-blur: what was there some time ago, behind what is.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "make_field.h"
 #include "ovoid/renderer.h"
@@ -13,11 +15,23 @@
 
 namespace ovoid::cli {
 
-// The trail that ends at a time, for a picture with that look of a field with those values. Throws
-// Error.
+// What a trail is drawn with.
+struct TrailSubject {
+  const Field& now;
+  const Look& look;
+  ValueRange values;                             // that the look is for
+  std::optional<std::size_t> memory_limit = {};  // --memory-limit
+};
+
+// The trail of a series that ends at a time. Throws Error.
 Trail make_trail(const TrailFlags& flags, const Series& series, double time,
-                 const ModelFlags& model, int threads, const Look& look, const ValueRange& values,
+                 const ModelFlags& model, int threads, const TrailSubject& subject,
                  Session& session);
+
+// Where the trail of what is no lattice begins, which is to be in the picture; of others nothing.
+// `now`: of a step. Throws Error.
+std::vector<Field> before_trail(const DataFlags& data, const DrawingFlags& drawing,
+                                const Modelled& now, std::int64_t step, Session& session);
 
 // What --motion-blur asks for of what was modelled of a step; none: it is not given. Throws Error.
 std::optional<Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing,

@@ -318,6 +318,8 @@ void run_render(const Words& words, Session& session) {
   profile.model_ms = modelling.ms();
   const Field& field = subject.modelled.field;
   const std::int64_t step = dataset.step;
+  if (session.team() == nullptr)
+    subject.before = before_trail(render.data, drawing, subject.modelled, step, session);
   dataset = {};  // the field keeps what it borrows; the rest is memory that the frame can use
 
   Shot shot = make_shot(subject, &drawing, session);

@@ -135,7 +135,7 @@ const Table<PointFlags>& point_settings() {
        "particles and kernels: draw each as an opaque, lit ball, SIZE times as large as usual (1)",
        for_data({DatasetKind::kParticles, DatasetKind::kKernels}, "particles and kernels"),
        not_with("mode", "is for --mode composite", is_no_layer),
-       not_with("value-plane")},
+       not_with("value-plane motion-blur")},
   };
   return all;
 }

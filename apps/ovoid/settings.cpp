@@ -341,14 +341,15 @@ const Table<TrailFlags>& trail_settings() {
         [](const T& trail) {
           return trail.length ? Json(fmt::format("{},{}", *trail.length, trail.decay)) : Json();
         }},
-       fmt::format("lattices in time: behind everything a trail of what was there in the last L "
-                   "units of time (with --hyperslice: of E), what was first less by exp(-DECAY) "
-                   "(default {})",
+       fmt::format("data in time: behind everything a trail of what was there in the last L units "
+                   "of time (with --hyperslice: of E), what was first less by exp(-DECAY) (default "
+                   "{})",
                    T{}.decay),
        not_with("mode", "is for --mode composite and isosurface", is_unlit),
        not_with("post-convolution", "is for --post-convolution off and auto", is_published_way)},
       {"--trail-tf", look_file(), &T::file,
-       "colours and opacities of the trail, as --tf (default: the picture's, a quarter as opaque)",
+       "colours and opacities of the trail, as --tf (default: the picture's, a quarter as opaque; "
+       "half as opaque of what is no lattice, and of sums for the lower values of the trail)",
        needs("motion-blur", "has no effect without --motion-blur")},
   };
   return all;

@@ -23,11 +23,14 @@ Shot make_shot(const Subject& subject, DrawingFlags* drawing, Session& session) 
   drawing->options.further = subject.further;
   const RenderOptions& options = drawing->options;
   const double aspect = static_cast<double>(options.width) / options.height;
+  Bounds3 bounds = bounds_with(shot.described.box.world_bounds(), options.further);
+  if (drawing->camera.fit == Fit::kBox) {
+    for (const Field& before : subject.before) bounds.extend(before.world_bounds());
+  }
   shot.camera = make_camera(
-      drawing->camera,
-      {field, shot.look, bounds_with(shot.described.box.world_bounds(), options.further),
-       shot.described.space, aspect, options.clip_planes, false, drawn.framed_surface(),
-       shot.points.has_value(), options.further, &subject.scenery.slices});
+      drawing->camera, {field, shot.look, bounds, shot.described.space, aspect, options.clip_planes,
+                        false, drawn.framed_surface(), shot.points.has_value(), options.further,
+                        &subject.scenery.slices, subject.before});
   return shot;
 }
 

@@ -34,7 +34,8 @@ void take_time(const Document& document, cli::DataFlags& data, cli::TrailFlags& 
     data.step = step - times.begin();
   }
   trail.length.reset();
-  if (document.time.blur_length > 0 && document.shown->trail) {
+  if (document.time.blur_length > 0 && document.shown->trail &&
+      !document.draws_points(document.view)) {
     trail.length = document.time.blur_length;
     trail.decay = document.time.blur_decay;
   }

@@ -165,7 +165,8 @@ bool Document::draws_points(const View& of) const {
 }
 
 bool Document::has_trail(const View& of) const {
-  return shown->trail != nullptr && time.blur_length > 0 && is_layered(of.look.mode);
+  return shown->trail != nullptr && time.blur_length > 0 && is_layered(of.look.mode) &&
+         !draws_points(of);
 }
 
 bool Document::shows_scenery(const View& of) const {

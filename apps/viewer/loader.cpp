@@ -385,9 +385,9 @@ void Loader::Impl::go_to(const TimeTask& task, const std::stop_token& token) {
     cli::TrailFlags trail = data->launch->drawing.trail;
     trail.length = choice.blur_length;
     trail.decay = choice.blur_decay;
-    made->trail = std::make_shared<const Trail>(cli::make_trail(trail, series, time, model,
-                                                                drawing.run.threads, task.look,
-                                                                made->field().value_range(), own));
+    made->trail = std::make_shared<const Trail>(
+        cli::make_trail(trail, series, time, model, drawing.run.threads,
+                        {made->field(), task.look, made->field().value_range()}, own));
   }
   ShownReady ready;
   ready.shown = data->shown = std::move(made);

@@ -79,18 +79,15 @@ void time_panel(Panel& panel) {
         "time.rate", unit.empty() ? "per second" : (unit + " per s").c_str(), &time.rate,
         {.lo = span * 1e-4, .hi = span * 100, .speed = span / 1000, .is_logarithmic = true});
   }
-  if (document.info->kind == DatasetKind::kLattice) {
-    bool blurs = time.blur_length > 0;
-    if (widgets.checkbox("time.blur", "motion blur", &blurs)) {
-      time.blur_length = blurs ? (times.back() - times.front()) / 4 : 0;
-      is_moved = true;
-    }
-    if (blurs) {
-      is_moved |=
-          widgets.slider("time.blur.length", "length", &time.blur_length,
-                         (times.back() - times.front()) / 1000, times.back() - times.front());
-      is_moved |= widgets.slider("time.blur.decay", "decay", &time.blur_decay, 0, 10);
-    }
+  bool blurs = time.blur_length > 0;
+  if (widgets.checkbox("time.blur", "motion blur", &blurs)) {
+    time.blur_length = blurs ? (times.back() - times.front()) / 4 : 0;
+    is_moved = true;
+  }
+  if (blurs) {
+    is_moved |= widgets.slider("time.blur.length", "length", &time.blur_length,
+                               (times.back() - times.front()) / 1000, times.back() - times.front());
+    is_moved |= widgets.slider("time.blur.decay", "decay", &time.blur_decay, 0, 10);
   }
   const TimeLabel shown = time_label(times, unit, document.shown->time);
   widgets.row("shown", fmt::format("{}{:g}{}", shown.before, document.shown->time, shown.after));

@@ -36,6 +36,8 @@ struct Framing {
   std::vector<ClipPlane> clip_planes;  // as in RenderOptions: what they cut away is not looked for
   // As in RenderOptions: what their looks show of them is to fill the picture, too.
   std::shared_ptr<const std::vector<FurtherVolume>> further{};
+  // What the field's look shows of these is to fill the picture, too: where the field has been.
+  std::vector<Field> before{};
 };
 
 // The camera, moved but not turned, so that what the look shows of the field fills the picture.

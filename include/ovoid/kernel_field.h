@@ -196,6 +196,12 @@ class KernelField {
   std::uint64_t version_ = 0;
 };
 
+// A field at one moment of several, and its share of the time.
+struct KernelMoment {
+  KernelField field;
+  double share = 1;  // > 0
+};
+
 // The field of kernels at any place.
 struct KernelSample {
   double value = 0;

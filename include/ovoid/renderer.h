@@ -94,6 +94,11 @@ struct Frame {
 struct Trail {
   LatticeField field;  // on the lattice of the field that it is drawn with: trail_before()
   TransferFunction transfer_function;
+  // Of a kernel field, in place of `field`: the trail is their mean (docs/numerics.md, "With a
+  // trail of kernel sets"), kernel_trail_before(). All alike: sums, of which there is one, or
+  // normalized; with an attribute of its own for the colours, or without. Shares are divided by
+  // their sum.
+  std::vector<KernelMoment> moments{};
 };
 
 // What a renderer runs on.
@@ -131,11 +136,13 @@ class Renderer {
   Frame render(const Field& field, const Camera& camera, const Look& look,
                const RenderOptions& options = {}, const RenderHooks& hooks = {});
 
-  // The same of a lattice field with a trail; modes kComposite and kIsosurface. Opacities of the
-  // trail are over the look's unit distance, if it has one. Counts of the profile are of both
-  // fields. PostConvolution::kAuto is kOff here. Throws what the other throws; Error:
-  // kInvalidArgument for a trail on another lattice, kUnsupported for other modes, fields and ways
-  // of post-convolution. Cost: both fields'. Source: [Neophytou 2006, section 2.2].
+  // The same of a field with a trail; modes kComposite and kIsosurface. Opacities of the trail are
+  // over the look's unit distance, if it has one. Counts of the profile are of all fields. Of
+  // lattices PostConvolution::kAuto is kOff here, and there are no depth limits; those of a kernel
+  // field do not hold for its trail. Throws what the other throws; Error: kInvalidArgument for a
+  // trail on another lattice or of moments that are not alike, kUnsupported for other modes, fields
+  // and ways of post-convolution, and kernel fields on kVulkan. Cost: all fields'; where limits
+  // cover parts of pixels, the trail's twice. Source: [Neophytou 2006, section 2.2].
   Frame render(const Field& field, const Camera& camera, const Look& look, const Trail& trail,
                const RenderOptions& options = {}, const RenderHooks& hooks = {});
 

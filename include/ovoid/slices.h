@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "ovoid/dataset.h"
@@ -85,6 +87,10 @@ struct TrailOptions {
   double decay = 0;   // what was there `age` ago counts exp(-decay * age / length)
   int threads = 0;    // 0: one per hardware thread
   std::stop_token stop;
+  // Of kernel sets: how many moments stand for all of the time at most, and bytes for their
+  // kernels.
+  int most_moments = 64;
+  std::size_t memory_limit = std::size_t{1} << 30;
 
   static constexpr double kMaxDecay = 100;
 };
@@ -104,5 +110,21 @@ std::vector<StepWeight> weights_of_half_trail(const std::vector<double>& times, 
 // weights_of_trail and Series::step throw; kInvalidArgument for what is no lattice; kOutOfMemory.
 // Source: [Neophytou 2006, section 2.2].
 Dataset trail_before(const Series& series, double time, const TrailOptions& options);
+
+// The trail of a series of meshes, particles, boxes or kernels.
+struct KernelTrail {
+  std::vector<KernelMoment>
+      moments;                     // by time; shares add up to 1. Of sums one: all moments' kernels
+  std::vector<std::string> notes;  // on what moves by steps, or farther than kernels overlap
+};
+
+// The fields of a series at moments of a trail, each as make_kernel_field(slice_at_time(), model)
+// makes it; `now`, the field at `time`, says how far kernels may move from one moment to the next.
+// Times and shares: docs/numerics.md, "With a trail of kernel sets". At the first time it is that
+// moment. Throws what weights_of_trail, Series::step and make_kernel_field throw; kInvalidArgument
+// for `most_moments` < 1, and for steps that make kernels of several shapes; kOutOfMemory. Cost:
+// two passes over the steps, a model for each moment.
+KernelTrail kernel_trail_before(const Series& series, double time, const TrailOptions& options,
+                                const KernelModelOptions& model, const KernelField& now);
 
 }  // namespace ovoid

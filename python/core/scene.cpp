@@ -226,6 +226,10 @@ std::shared_ptr<Picture> Scene::draw(const Asked& asked, Manner manner, Work& wo
 
   auto picture = std::make_shared<Picture>();
   const Field& field = subject_->modelled.field;
+  subject_->before =
+      source_.inputs.empty()
+          ? std::vector<Field>()
+          : cli::before_trail(request.data, drawing, subject_->modelled, outline_.step, session);
   picture->shot = cli::make_shot(*subject_, &drawing, session);
   cli::Shot& shot = picture->shot;
   cli::FrameSubject drawn = cli::frame_subject(*subject_, shot, drawing);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests: series of lattices by formula.
+// For tests: series of lattices by formula, and of datasets that are given.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <numbers>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -50,6 +51,29 @@ class FormulaSteps final : public model::LatticeSteps {
   }
 
   StepFormula value_;
+};
+
+// Steps that are there.
+class GivenSteps final : public StepSource {
+ public:
+  GivenSteps(std::vector<Dataset> steps, std::vector<double> times)
+      : steps_(std::move(steps)), times_(std::move(times)) {}
+  const std::string& name() const noexcept override { return name_; }
+  std::int64_t num_steps() const noexcept override {
+    return static_cast<std::int64_t>(times_.size());
+  }
+  const std::vector<double>& times() const noexcept override { return times_; }
+  bool has_times() const noexcept override { return true; }
+  Dataset read(std::int64_t step, std::stop_token /*stop*/) const override {
+    Dataset dataset = steps_[static_cast<std::size_t>(step)];
+    dataset.step = step;
+    return dataset;
+  }
+
+ private:
+  std::string name_ = "given";
+  std::vector<Dataset> steps_;
+  std::vector<double> times_;
 };
 
 inline std::vector<float> values_of(const Dataset& dataset) {

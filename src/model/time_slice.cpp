@@ -17,6 +17,7 @@
 #include "data/bookkeeping.h"
 #include "data/parallel.h"
 #include "data/scalar_visit.h"
+#include "model/movement.h"
 #include "model/step_blend.h"
 #include "ovoid/error.h"
 #include "ovoid/slices.h"
@@ -61,71 +62,10 @@ void blend_arrays(const std::vector<HeldStep>& steps, const TimeSliceOptions& op
   }
 }
 
-// --- what is no lattice
-
-bool have_equal_bytes(const DataArray& a, const DataArray& b) {
-  return a.type == b.type && a.bytes.view.size() == b.bytes.view.size() &&
-         std::memcmp(a.bytes.view.data(), b.bytes.view.data(), a.bytes.view.size()) == 0;
-}
-
-bool is_identity(const DataArray& array) {
-  for (const char* const name : {"id", "ids", "particleids", "particle_ids", "globalnodeid"}) {
-    std::string lower = array.name;
-    std::transform(lower.begin(), lower.end(), lower.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (lower == name) return true;
-  }
-  return false;
-}
-
-// Empty if the two steps are of the same things, else why it cannot be known.
-std::string difference_of(const Dataset& a, const Dataset& b) {
-  if (a.num_positions() != b.num_positions()) return "their numbers of positions differ";
-  if (a.kind == DatasetKind::kMesh) {
-    const bool are_equal = a.cells.types == b.cells.types && a.cells.offsets == b.cells.offsets &&
-                           a.cells.connectivity == b.cells.connectivity &&
-                           a.cells.dims == b.cells.dims;
-    return are_equal ? "" : "their cells differ";
-  }
-  if (a.kind != DatasetKind::kParticles) return "only lattices, meshes and particles move";
-  for (const DataArray& array : a.arrays) {
-    if (!is_identity(array)) continue;
-    return have_equal_bytes(array, model::same_array(b, array)) ? ""
-                                                                : "particles come in another order";
-  }
-  return "particles have no numbers (an array 'id') that tell which is which";
-}
-
-// Positions move along the shortest way through a periodic box.
-DataArray moved_positions(const Dataset& from, const Dataset& to, double share) {
-  const std::int64_t count = 3 * from.num_positions();
-  const auto memory = std::make_shared<double[]>(static_cast<std::size_t>(count));
-  const auto read = [](const DataArray& array, std::int64_t i) {
-    return data::visit_scalar(array.type, [&]<class T>(std::type_identity<T>) {
-      return static_cast<double>(data::load_scalar<T>(array.bytes.view.data(), i));
-    });
-  };
-  for (std::int64_t i = 0; i < count; ++i) {
-    const double start = read(from.positions, i);
-    double way = read(to.positions, i) - start;
-    if (from.periodic_box) {
-      const int a = static_cast<int>(i % 3);
-      const double side = from.periodic_box->sizes()[a];
-      if (side > 0) way -= side * std::round(way / side);
-    }
-    memory[i] = start + share * way;
-  }
-  DataArray positions = from.positions;
-  positions.type = ScalarType::kFloat64;
-  positions.bytes = {memory, std::as_bytes(std::span<const double>(
-                                 memory.get(), static_cast<std::size_t>(count)))};
-  return positions;
-}
-
 Dataset moved(const std::vector<HeldStep>& steps, const TimeSliceOptions& options) {
   const HeldStep& before = steps[0];
   const HeldStep& behind = steps[1];
-  const std::string difference = difference_of(*before.dataset, *behind.dataset);
+  const std::string difference = model::difference_of(*before.dataset, *behind.dataset);
   if (!difference.empty()) {
     Dataset nearest = before.weight >= behind.weight ? *before.dataset : *behind.dataset;
     nearest.notes.push_back(
@@ -135,7 +75,7 @@ Dataset moved(const std::vector<HeldStep>& steps, const TimeSliceOptions& option
   }
   Dataset out = *before.dataset;
   blend_arrays(steps, options, out);
-  out.positions = moved_positions(*before.dataset, *behind.dataset, behind.weight);
+  out.positions = model::moved_positions(*before.dataset, *behind.dataset, behind.weight);
   return out;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <new>
 #include <optional>
 
@@ -66,11 +67,33 @@ void require_2d(const Field& field, const Look& look, const RenderOptions& optio
         "occlusion and shadows come from a coarse volume that knows no gradients; both must be 0");
 }
 
+// Throws Error(kInvalidArgument).
+void require_moments(const KernelField& field, const Trail& trail) {
+  const auto refuse = [](const std::string& what) {
+    throw Error(ErrorCode::kInvalidArgument, "trail.moments" + what);
+  };
+  if (trail.moments.empty()) refuse(": are none, as the trail of a set of kernels has them");
+  for (std::size_t i = 0; i < trail.moments.size(); ++i) {
+    const auto& [moment, share] = trail.moments[i];
+    const std::string which = fmt::format("[{}]", i);
+    if (moment.is_empty()) refuse(which + ".field: has no kernels");
+    if (!(share > 0) || !std::isfinite(share))
+      refuse(fmt::format("{}.share = {}: must be finite and > 0", which, share));
+    if (moment.reconstruction() != field.reconstruction())
+      refuse(which + ".field: is summed in another way than the field");
+    if (moment.has_own_color() != field.has_own_color())
+      refuse(which + ".field: has its colours from another attribute than the field");
+  }
+  if (field.reconstruction() == Reconstruction::kSum && trail.moments.size() > 1)
+    refuse(
+        fmt::format(": are {}, must be one of a sum: a set of all their kernels, weights times "
+                    "shares, as kernel_trail_before() makes it",
+                    trail.moments.size()));
+}
+
 // Throws Error unless the trail can be drawn with the field.
 void require_trail(const Field& field, const Look& look, const Trail& trail,
                    const RenderOptions& options) {
-  if (field.lattice() == nullptr)
-    throw Error(ErrorCode::kUnsupported, "trail: is for lattices, the field is a set of kernels");
   if (look.mode != Mode::kComposite && look.mode != Mode::kIsosurface)
     throw Error(ErrorCode::kUnsupported, "trail: is for the modes composite and isosurface");
   if (look.transfer_function_2d)
@@ -79,10 +102,11 @@ void require_trail(const Field& field, const Look& look, const Trail& trail,
     throw Error(ErrorCode::kUnsupported, "trail: is for one isosurface, not for several");
   if (is_published(options.post_convolution))
     throw Error(ErrorCode::kUnsupported, "trail: is for post-convolution off and auto");
-  if (options.depth_limits != nullptr)
-    throw Error(ErrorCode::kUnsupported, "trail: is for pictures without depth limits");
   if (options.part != nullptr)
     throw Error(ErrorCode::kUnsupported, "trail: is for whole pictures, not for parts");
+  if (field.kernels() != nullptr) return require_moments(*field.kernels(), trail);
+  if (options.depth_limits != nullptr)
+    throw Error(ErrorCode::kUnsupported, "trail: is for pictures of lattices without depth limits");
   if (trail.field.is_empty() ||
       !is_same_lattice(trail.field.geometry(), field.lattice()->geometry()))
     throw Error(ErrorCode::kInvalidArgument, "trail.field: must be on the lattice of the field");
@@ -132,13 +156,20 @@ void require_further(const Field& field, const Look& look, bool has_trail,
 
 // Where a frame has a trail, samples are classified at their pixels, the trail's without pieces.
 view::TrailView view_of(const Trail& trail, const Look& look, const RenderOptions& options) {
-  view::TrailView view{&trail.field, {}, options};
+  view::TrailView view{&trail.field, trail.moments, {}, options};
+  double sum = 0;
+  for (const KernelMoment& moment : view.moments) sum += moment.share;
+  for (KernelMoment& moment : view.moments) moment.share /= sum;
+  view.look.color_function = look.color_function;
   view.look.transfer_function = trail.transfer_function;
   view.look.transfer_function.gradient_opacities.clear();
   view.look.shade = false;
   view.look.unit_distance = look.unit_distance;
   view.look.validate();
   view.options.classification = Classification::kSampled;
+  view.options.depth_limits = nullptr;
+  // A mean may show where no moment's own values do.
+  if (view.moments.size() > 1) view.options.skip_irrelevant = false;
   return view;
 }
 
@@ -214,13 +245,8 @@ class ReferenceBackEnd final : public BackEnd {
   bool has_lattice_sheets() const noexcept override { return true; }
 
   Frame draw(const FrameJob& job) override {
-    const KernelField* const set = job.field.kernels();
     const int wanted = std::min(num_threads_, job.options.height);  // a thread has a row at least
-    return with_note_on_threads(set != nullptr
-                                    ? reference::render(*set, job.camera, job.look, job.options,
-                                                        job.hooks, wanted, job.light)
-                                    : reference::render(job, wanted),
-                                wanted);
+    return with_note_on_threads(reference::render(job, wanted), wanted);
   }
 
  private:
@@ -247,6 +273,8 @@ struct __attribute__((visibility("hidden"))) Renderer::Impl {
   LitBy light_for(const LitScene& scene, const RenderHooks& hooks);
   // `is_distance_free`: nobody asks for the sampling distance of the job.
   Frame draw_by_choice(const FrameJob& job, bool is_distance_free) const;
+  // A job without its field.
+  Image trail_alone(const FrameJob& job, FrameProfile& profile) const;
   static Frame draw_on(BackEnd& chosen, const FrameJob& job, bool is_distance_free);
 
   cpu::Machine machine;
@@ -324,7 +352,7 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
   }
   std::optional<view::TrailView> trail_view;
   if (trail != nullptr) {
-    own_options.post_convolution = PostConvolution::kOff;
+    if (field.lattice() != nullptr) own_options.post_convolution = PostConvolution::kOff;
     trail_view = view_of(*trail, look, own_options);
   }
   PartSheets sheets;
@@ -353,8 +381,10 @@ Frame Renderer::Impl::draw(const Field& field, const Camera& camera, const Look&
   if (options.depth_limits != nullptr) coverage = options.depth_limits->coverage;
   if (options.part != nullptr) {
     frame.seen = view::runs_of_part(frame.image, look.mode, sheets, coverage);
-  } else {
+  } else if (trail == nullptr || coverage.empty()) {
     view::apply_coverage(coverage, look.mode, frame.image);
+  } else {
+    view::blend_by_coverage(coverage, trail_alone(job, frame.profile), frame.image);
   }
   note_on_precision(frame.profile, job);
   return frame;
@@ -430,6 +460,21 @@ std::vector<FurtherVolume> Renderer::Impl::further_to_draw(const Camera& camera,
     volumes.push_back({*drawn.lattice(), completed(given.look, field, camera)});
   }
   return volumes;
+}
+
+Image Renderer::Impl::trail_alone(const FrameJob& job, FrameProfile& profile) const {
+  DepthLimits nowhere;
+  nowhere.width = job.options.width;
+  nowhere.height = job.options.height;
+  nowhere.first.assign(job.options.depth_limits->first.size(), 0);
+  RenderOptions options = job.options;
+  options.depth_limits = std::make_shared<DepthLimits>(std::move(nowhere));
+  RenderHooks hooks;
+  hooks.stop = job.hooks.stop;
+  const FrameJob alone{job.field, job.camera, job.look, job.trail, options, hooks};
+  Frame frame = draw_by_choice(alone, false);
+  profile.frame_ms += frame.profile.frame_ms;
+  return std::move(frame.image);
 }
 
 Renderer::Impl::LitBy Renderer::Impl::light_for(const LitScene& scene, const RenderHooks& hooks) {

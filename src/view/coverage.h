@@ -21,4 +21,18 @@ inline void apply_coverage(std::span<const float> coverage, Mode mode, Image& im
   }
 }
 
+// The same of a frame with a trail, which limits do not hold for: beside what is covered is what
+// the trail shows `alone`.
+inline void blend_by_coverage(std::span<const float> coverage, const Image& alone, Image& image) {
+  for (std::size_t i = 0; i < coverage.size(); ++i) {
+    const float q = coverage[i];
+    for (std::size_t c = 4 * i; c < 4 * i + 4; ++c)
+      image.rgba[c] = q * image.rgba[c] + (1 - q) * alone.rgba[c];
+    if (q < 0.5F) image.depth[i] = alone.depth[i];
+    if (q < kLeastVisibleOpacity) image.front_depth[i] = alone.front_depth[i];
+    if (!(image.rgba[4 * i + 3] >= kLeastVisibleOpacity))
+      image.front_depth[i] = std::numeric_limits<float>::infinity();
+  }
+}
+
 }  // namespace ovoid::view

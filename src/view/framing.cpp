@@ -294,6 +294,10 @@ Camera framed(Camera camera, const Field& field, const Look& look, const Framing
   RegionList list(axes, middle);
   view::for_visible_points(field, look, framing.clip_planes,
                            [&](const view::VisiblePoint& point) { list.add(point); });
+  for (const Field& before : framing.before) {
+    view::for_visible_points(before, look, framing.clip_planes,
+                             [&](const view::VisiblePoint& point) { list.add(point); });
+  }
   if (framing.further != nullptr) {
     for (const FurtherVolume& volume : *framing.further) {
       view::for_visible_points(volume.field, volume.look, framing.clip_planes,

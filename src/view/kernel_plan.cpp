@@ -36,7 +36,7 @@ bool takes_the_mean(const Look& look, const RenderOptions& options) {
 }  // namespace
 
 KernelPlan::KernelPlan(const KernelField& field, const Camera& camera, const Look& look,
-                       const RenderOptions& options)
+                       const RenderOptions& options, std::span<const KernelField> beside)
     : FramePlan(field,
                 ViewLattice(camera, options.width, options.height,
                             sheet_distance(field, look, options), world_geometry()),
@@ -46,7 +46,12 @@ KernelPlan::KernelPlan(const KernelField& field, const Camera& camera, const Loo
   if (field.has_own_color()) color_table.emplace(color_function_of(look));
   const double cutoff = field.source().cutoff();
   // Along the view axis no kernel is narrower than half a sheet.
-  set_sheets(support_of(field, 0.5 * cutoff * lattice.sampling_distance()));
+  Bounds3 support = support_of(field, 0.5 * cutoff * lattice.sampling_distance());
+  for (const KernelField& other : beside)
+    support.extend(support_of(other, 0.5 * other.source().cutoff() * lattice.sampling_distance()));
+  set_sheets(support);
+  // Another of the fields may end with a piece.
+  if (!beside.empty() && !is_refined && sheets.first < sheets.last) ++sheets.last;
   const Vec3 right = lattice.world_map(0).per_x.normalized();
   const Vec3 down = lattice.world_map(0).per_y.normalized();
   const double sign = lattice.is_parallel() || lattice.depth(0) > 0 ? 1.0 : -1.0;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "view/frame_plan.h"
@@ -64,8 +65,9 @@ inline constexpr double kOvershootSigmas = 2 * kOvershootSamples;
 inline constexpr double kWidestSample = 64;
 
 struct KernelPlan : FramePlan {
+  // `beside`: fields that are drawn on the same sheets, whose plans then have the same blocks.
   KernelPlan(const KernelField& field, const Camera& camera, const Look& look,
-             const RenderOptions& options);
+             const RenderOptions& options, std::span<const KernelField> beside = {});
 
   SplatSpace space;
   bool is_mean;                         // a sample is the mean over its slab

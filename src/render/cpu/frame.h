@@ -63,6 +63,9 @@ struct CpuFrame : FrameTraits {
   const RenderOptions* options = nullptr;
   const DepthLimits* limits = nullptr;  // null: none
   bool takes_colors_of_stops = false;
+  // What has no limits is drawn behind the field: pixels without a further span stay open, and
+  // their stops wait for it.
+  bool draws_beyond_limits = false;
   std::stop_token stop;
   FrameCamera camera;
   FrameLook look;

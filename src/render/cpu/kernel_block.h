@@ -103,12 +103,46 @@ struct KernelWorkspace {
   }
 };
 
+// A subtile of a trail on the sheets of one layer of blocks.
+struct TrailSheets {
+  static constexpr int kNone = -1;
+
+  int layer = kNone;  // kNone: nothing is there
+  SheetRing ring{kTilePlane};
+  // The share of the moments at which a sample has a value. [sheet of the layer][sample]
+  alignas(64) float presence[view::kBlockDepth][kTilePlane.num_floats()];
+
+  float* presence_on(int sheet) noexcept { return presence[sheet]; }
+};
+
+struct TrailWorkspace {
+  KernelWorkspace sums;          // of one moment after the other
+  SheetRing moment{kTilePlane};  // a sheet of it
+  // By subtile: an even layer and an odd one, for a layer's last sheet is composited in the next.
+  std::array<std::array<TrailSheets, 2>, kSubtiles * kSubtiles> sheets;
+  // By subtile: the first sheet of the frame that has not joined the pixels.
+  std::array<int, kSubtiles * kSubtiles> next;
+};
+
+// Of one tile. `trail`: null where the frame has none.
+struct KernelTileWorkspace : KernelWorkspace {
+  std::unique_ptr<TrailWorkspace> trail;
+};
+
+// One field of those whose mean is a trail.
+struct MomentFrame {
+  const struct KernelFrame* frame;
+  float share;
+};
+
 // A frame of a kernel field.
 struct KernelFrame : CpuFrame, KernelTraits {
   const view::KernelPlan* kernel_plan = nullptr;  // `plan`, as what it is
   const BinnedSplats* binned = nullptr;
   const std::uint8_t* is_visible = nullptr;       // per block: whether it can show
   std::unique_ptr<const LevelBands> level_bands;  // if there are levels
+  // Behind the field, with the blocks of its plan; empty: none.
+  std::vector<MomentFrame> trail;
 };
 
 }  // namespace ovoid::cpu

@@ -3,6 +3,9 @@
 #include "render/cpu/kernel_renderer.h"
 
 #include <algorithm>
+#include <deque>
+#include <span>
+#include <vector>
 
 #include "ovoid/error.h"
 #include "render/cpu/kernel_tile.h"
@@ -15,7 +18,7 @@ namespace ovoid::cpu {
 namespace {
 
 void draw_tile(const simd::SimdTarget& target, const KernelFrame& frame, const Look& look,
-               KernelWorkspace& work, const TileRect& rect, Image& image) {
+               KernelTileWorkspace& work, const TileRect& rect, Image& image) {
   render_kernel_tile(target, frame, work, rect);
   for (int sub = 0; sub < kSubtiles * kSubtiles; ++sub) {
     const int x = rect.x0 + sub % kSubtiles * kTileSize;
@@ -63,10 +66,90 @@ bool has_bounds(const KernelField& field, const view::KernelPlan& plan) {
          !plan.is_mean;
 }
 
+// A field of a frame, ready to be drawn. Stays where it is: its parts point to each other.
+struct PreparedSet {
+  PreparedSet(const KernelField& field, const FrameJob& job, const Look& look,
+              const RenderOptions& options, const view::LightVolume* light,
+              std::span<const KernelField> beside, Runner& runner)
+      : start(Clock::now()), plan(field, job.camera, look, options, beside) {
+    plan_ms = ms_since(start);
+    binned = bin_splats(field, plan, merging_for(field, options), runner);
+    is_visible = has_bounds(field, plan) ? visible_sums(plan, binned, runner) : plan.is_relevant;
+    static_cast<KernelTraits&>(frame) = kernel_traits(field, plan, look, options);
+    frame.kernel_plan = &plan;
+    frame.binned = &binned;
+    frame.is_visible = is_visible.data();
+    if (frame.max_level > 0) frame.level_bands = level_bands(options.post_convolution);
+    set_frame(frame, look, options, plan, light);
+    frame.takes_differences = frame.takes_gradients;
+    frame.stop = job.hooks.stop;
+    bin_ms = ms_since(start) - plan_ms;
+  }
+  PreparedSet(const PreparedSet&) = delete;
+  PreparedSet& operator=(const PreparedSet&) = delete;
+
+  Clock::time_point start;
+  view::KernelPlan plan;
+  BinnedSplats binned;
+  std::vector<std::uint8_t> is_visible;
+  KernelFrame frame;
+  double plan_ms = 0, bin_ms = 0;
+};
+
+// The fields of a frame, ready to be drawn.
+struct PreparedSets {
+  PreparedSets(const FrameJob& job, Runner& runner) {
+    const KernelField& field = *job.field.kernels();
+    std::vector<KernelField> all;
+    if (job.trail != nullptr) {
+      all.push_back(field);
+      for (const KernelMoment& moment : job.trail->moments) all.push_back(moment.field);
+    }
+    KernelFrame& own =
+        sets.emplace_back(field, job, job.look, job.options, job.light, all, runner).frame;
+    if (job.trail == nullptr) return;
+    own.draws_beyond_limits = true;
+    for (const KernelMoment& moment : job.trail->moments) {
+      const PreparedSet& set = sets.emplace_back(moment.field, job, job.trail->look,
+                                                 job.trail->options, nullptr, all, runner);
+      own.trail.push_back({&set.frame, static_cast<float>(moment.share)});
+    }
+  }
+
+  const KernelFrame& frame() const { return sets.front().frame; }
+  void tell(bool with_stages, FrameProfile& profile) const {
+    double plan_ms = 0, bin_ms = 0;
+    for (const PreparedSet& set : sets) {
+      profile.kernels_drawn += set.binned.num_kernels;
+      plan_ms += set.plan_ms;
+      bin_ms += set.bin_ms;
+    }
+    if (!with_stages) return;
+    profile.stages_ms.emplace_back("plan", plan_ms);
+    profile.stages_ms.emplace_back("project and bin", bin_ms);
+  }
+
+  std::deque<PreparedSet> sets;  // the field's own first
+};
+
+using KernelWorkspaces = std::vector<std::unique_ptr<KernelTileWorkspace>>;
+
+// Throws Error(kOutOfMemory).
+KernelWorkspaces workspaces_for(const KernelFrame& frame, int num_workers) {
+  KernelWorkspaces workspaces = make_workspaces<KernelTileWorkspace>(num_workers);
+  if (frame.trail.empty()) return workspaces;
+  data::allocated("the working memory of the threads", workspaces.size() * sizeof(TrailWorkspace),
+                  [&] {
+                    for (const auto& work : workspaces)
+                      work->trail = std::make_unique<TrailWorkspace>();
+                    return 0;
+                  });
+  return workspaces;
+}
+
 }  // namespace
 
 Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
-  const KernelField& field = *job.field.kernels();
   const RenderOptions& options = job.options;
   const std::stop_token& stop = job.hooks.stop;
   const Clock::time_point start = Clock::now();
@@ -76,32 +159,18 @@ Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
   out.profile.backend = "cpu";
   out.profile.simd_target = machine.target.name();
   out.profile.threads = runner.num_workers();
-  out.profile.kernels_total = field.num_kernels();
+  out.profile.kernels_total = job.field.num_kernels();
+  if (job.trail != nullptr) {
+    for (const KernelMoment& moment : job.trail->moments)
+      out.profile.kernels_total += moment.field.num_kernels();
+  }
   out.image = empty_image(options.width, options.height);
 
-  const view::KernelPlan plan(field, job.camera, job.look, options);
-  const double plan_ms = ms_since(start);
-  const BinnedSplats binned = bin_splats(field, plan, merging_for(field, options), runner);
-  std::vector<std::uint8_t> is_visible = plan.is_relevant;
-  if (has_bounds(field, plan)) is_visible = visible_sums(plan, binned, runner);
-  const double bin_ms = ms_since(start) - plan_ms;
-  out.profile.kernels_drawn = binned.num_kernels;
-  if (options.collect_profile) {
-    out.profile.stages_ms.emplace_back("plan", plan_ms);
-    out.profile.stages_ms.emplace_back("project and bin", bin_ms);
-  }
-  KernelFrame frame;
-  static_cast<KernelTraits&>(frame) = kernel_traits(field, plan, job.look, options);
-  frame.kernel_plan = &plan;
-  frame.binned = &binned;
-  frame.is_visible = is_visible.data();
-  if (frame.max_level > 0) frame.level_bands = level_bands(options.post_convolution);
-  set_frame(frame, job.look, options, plan, job.light);
-  frame.takes_differences = frame.takes_gradients;
-  frame.stop = stop;
-
+  const PreparedSets sets(job, runner);
+  sets.tell(options.collect_profile, out.profile);
+  const KernelFrame& frame = sets.frame();
   const std::vector<TileRect> tiles = tiles_of(options.width, options.height, view::kBlockEdge);
-  const auto workspaces = make_workspaces<KernelWorkspace>(runner.num_workers());
+  const KernelWorkspaces workspaces = workspaces_for(frame, runner.num_workers());
   Teller teller(job.hooks, std::ssize(tiles));
   runner.run(static_cast<int>(tiles.size()), [&](int task, int worker) {
     if (stop.stop_requested()) return;
@@ -115,8 +184,11 @@ Frame render_kernel_field(const FrameJob& job, const Machine& machine) {
   out.profile.frame_ms = ms_since(start);
   const double ticks_per_ms =
       static_cast<double>(read_ticks() - start_ticks) / out.profile.frame_ms;
-  for (const auto& work : workspaces)
-    add_worker_stats(work->stats, options.collect_profile ? ticks_per_ms : 0.0, out.profile);
+  const double per_ms = options.collect_profile ? ticks_per_ms : 0.0;
+  for (const auto& work : workspaces) {
+    add_worker_stats(work->stats, per_ms, out.profile);
+    if (work->trail != nullptr) add_worker_stats(work->trail->sums.stats, per_ms, out.profile);
+  }
   return out;
 }
 

@@ -15,7 +15,7 @@ namespace ovoid::cpu {
 HWY_EXPORT(render_kernel_tile_on_target);
 
 void render_kernel_tile(const simd::SimdTarget& target, const KernelFrame& frame,
-                        KernelWorkspace& work, const TileRect& rect) {
+                        KernelTileWorkspace& work, const TileRect& rect) {
   target.choose(HWY_DISPATCH_TABLE(render_kernel_tile_on_target))(frame, work, rect);
 }
 

@@ -6,8 +6,8 @@
 
 namespace ovoid::cpu {
 
-// Draws the tile of kBlockEdge^2 pixels into work.tiles.
+// Draws the tile of kBlockEdge^2 pixels into work.subtiles.
 void render_kernel_tile(const simd::SimdTarget& target, const KernelFrame& frame,
-                        KernelWorkspace& work, const TileRect& rect);
+                        KernelTileWorkspace& work, const TileRect& rect);
 
 }  // namespace ovoid::cpu

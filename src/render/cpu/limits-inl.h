@@ -59,7 +59,7 @@ inline void enter_span(const CpuFrame& frame, std::uint32_t from, int pixel, Til
   limits.leave[pixel] = from + 1 < end ? stops[from + 1].depth : kEndless;
   limits.begins[pixel] = from < end && stops[from].is_seam ? -kEndless : limits.enter[pixel];
   limits.ends[pixel] = from + 1 < end && stops[from + 1].is_seam ? kEndless : limits.leave[pixel];
-  if (from < end) return;
+  if (from < end || frame.draws_beyond_limits) return;
   show_stops(frame, end, pixel, limits, tile);
   close_pixel(tile, pixel);
 }

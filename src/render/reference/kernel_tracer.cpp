@@ -12,8 +12,8 @@ namespace ovoid::reference {
 
 KernelTracer::KernelTracer(const KernelField& field, KernelPlanes planes, const ViewRays& view,
                            const SheetRange& sheets, const Look& look, const RenderOptions& options,
-                           const view::LightVolume* light)
-    : PixelTracer(field, view, look, options, {}, light),
+                           const BesideTracer& beside, const view::LightVolume* light)
+    : PixelTracer(field, view, look, options, beside, light),
       planes_(std::move(planes)),
       sheets_(sheets) {}
 
@@ -58,6 +58,50 @@ PixelTracer::Crossing KernelTracer::crossing(const PixelRay& pixel, const RaySam
               Vec3::Zero()};
   if (look().shade) at.gradient = (1 - t) * gradient(pixel, near) + t * gradient(pixel, far);
   return at;
+}
+
+KernelTrailTracer::KernelTrailTracer(const KernelField& like, std::vector<Moment> moments,
+                                     const ViewRays& view, const SheetRange& sheets,
+                                     const Look& look, const RenderOptions& options)
+    : PixelTracer(like, view, look, options), moments_(std::move(moments)), sheets_(sheets) {}
+
+SheetRange KernelTrailTracer::sheets_of(const Ray& /*ray*/) const { return sheets_; }
+
+std::optional<PixelTracer::RaySample> KernelTrailTracer::sample(const PixelRay& pixel,
+                                                                std::int64_t sheet,
+                                                                TraceCounts& counts) const {
+  if (!view().exists(sheet)) return std::nullopt;
+  const double path = view().path(pixel.ray, sheet);
+  if (!(path > 0)) return std::nullopt;
+  ++counts.samples;
+  RaySample mean{sheet, view().z_of(sheet), path, 0, 0, Vec3::Zero(), false, 0};
+  for (const auto& [planes, share] : moments_) {
+    const KernelPlanes::Sample at = planes.at(pixel.x, pixel.y, sheet);
+    if (!at.is_defined) continue;
+    mean.value += share * at.value;
+    mean.color_value += share * at.color_value;
+    mean.presence += share;
+  }
+  if (!(mean.presence > 0)) return std::nullopt;
+  mean.value /= mean.presence;
+  mean.color_value /= mean.presence;
+  if (moments_.size() == 1) mean.presence = 1;
+  return mean;
+}
+
+Vec3 KernelTrailTracer::gradient(const PixelRay& /*pixel*/, const RaySample& /*sample*/) const {
+  return Vec3::Zero();
+}
+
+Vec3 KernelTrailTracer::piece_gradient(const PixelRay& /*pixel*/, const RaySample& /*from*/,
+                                       const RaySample& /*to*/) const {
+  return Vec3::Zero();
+}
+
+PixelTracer::Crossing KernelTrailTracer::crossing(const PixelRay& /*pixel*/, const RaySample& near,
+                                                  const RaySample& /*far*/,
+                                                  double /*isovalue*/) const {
+  return {near.z, near.color_value, Vec3::Zero()};
 }
 
 SheetRange sheets_reached(const std::vector<ViewedKernel>& kernels, const ViewRays& view,

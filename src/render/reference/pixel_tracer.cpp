@@ -280,8 +280,11 @@ void PixelTracer::add_trail(const PixelRay& pixel, std::int64_t sheet, Pixel& re
   if (trail == nullptr || result.rgba[3] >= opaque_at_) return;
   const std::optional<RaySample> at = trail->sample(pixel, sheet, counts);
   if (!at) return;
-  if (const auto share = trail->share_of_sample(pixel, std::nullopt, *at, counts))
-    add_shares({*share}, result);
+  std::optional<Share> share = trail->share_of_sample(pixel, std::nullopt, *at, counts);
+  if (!share) return;
+  share->opacity = opacity_over(share->opacity, at->presence, 1);
+  add_stops(pixel, at->z, result);
+  if (result.rgba[3] < opaque_at_) add_shares({*share}, result);
 }
 
 Pixel PixelTracer::composite(const PixelRay& pixel, TraceCounts& counts) const {

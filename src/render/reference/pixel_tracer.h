@@ -74,6 +74,7 @@ class PixelTracer {
     double color_value;   // what the colour is taken at
     Vec3 exact_gradient;  // of lattices, unless from nodes
     bool is_from_nodes = false;
+    double presence = 1;  // of a trail: the share of its moments at which there is a value
   };
   // The ends of what lies between sheet - 1 and sheet; at least one is there.
   struct Piece {

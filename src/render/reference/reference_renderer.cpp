@@ -227,9 +227,92 @@ Frame render_samples(const FrameJob& job, int threads) {
   return frame;
 }
 
+// The kernels of a field of a frame, and the sheets that they reach.
+struct ViewedSet {
+  ViewedSet(const KernelField& of, const ViewRays& view)
+      : field(of),
+        kernels(view_kernels(of, view)),
+        sheets(sheets_reached(kernels, view, of.source().cutoff())) {}
+
+  const KernelField& field;
+  std::vector<ViewedKernel> kernels;
+  SheetRange sheets;
+};
+
+// The trail of some rows; null where there is none.
+std::unique_ptr<const KernelTrailTracer> trail_of_rows(const view::TrailView* trail,
+                                                       const std::deque<ViewedSet>& moments,
+                                                       const ViewRays& view,
+                                                       const KernelPlanes::Rows& rows,
+                                                       const KernelPlanes::Way& way) {
+  if (trail == nullptr) return nullptr;
+  std::vector<KernelTrailTracer::Moment> parts;
+  SheetRange all = moments.front().sheets;
+  for (std::size_t m = 0; m < moments.size(); ++m) {
+    const ViewedSet& set = moments[m];
+    parts.push_back({KernelPlanes(set.field, set.kernels, view, set.sheets, rows, way),
+                     trail->moments[m].share});
+    all = {std::min(all.first, set.sheets.first), std::max(all.last, set.sheets.last)};
+  }
+  return std::make_unique<const KernelTrailTracer>(moments.front().field, std::move(parts), view,
+                                                   all, trail->look, trail->options);
+}
+
+// Of some rows.
+struct TracedSet {
+  std::unique_ptr<const KernelTrailTracer> trail;
+  std::optional<KernelTracer> own;
+};
+
+Frame render_kernels(const FrameJob& job, int threads) {
+  const RenderOptions& options = job.options;
+  const KernelField& field = *job.field.kernels();
+  job.camera.validate();
+  job.look.validate();
+  options.validate();
+  threads = checked_threads(threads, options);
+  const Clock::time_point start = Clock::now();
+  Frame frame;
+  frame.image = empty_image(options);
+  FrameProfile& profile = frame.profile;
+  profile.kernels_total = field.num_kernels();
+  const ViewRays view(field, job.camera, options);
+  const ViewedSet own(field, view);
+  std::deque<ViewedSet> moments;
+  if (job.trail != nullptr) {
+    for (const KernelMoment& moment : job.trail->moments) {
+      moments.emplace_back(moment.field, view);
+      profile.kernels_total += moment.field.num_kernels();
+    }
+  }
+  const KernelPlanes::Way way{
+      options.slab == Slab::kMean || (options.slab == Slab::kAuto && job.look.mode == Mode::kXray),
+      options.post_convolution};
+  constexpr int kRowsEach = 8;
+  const auto tracer = [&](int y0, int y1) {
+    const KernelPlanes::Rows rows{y0, y1, options.width};
+    auto traced = std::make_shared<TracedSet>();
+    traced->trail = trail_of_rows(job.trail, moments, view, rows, way);
+    BesideTracer beside;
+    beside.trail = traced->trail.get();
+    traced->own.emplace(field, KernelPlanes(field, own.kernels, view, own.sheets, rows, way), view,
+                        own.sheets, job.look, options, beside, job.light);
+    return std::shared_ptr<const PixelTracer>(traced, &*traced->own);
+  };
+  const TraceCounts counts = RowPainter(tracer, kRowsEach, job.hooks, frame.image).paint(threads);
+  profile.backend = "reference";
+  profile.threads = threads;
+  profile.frame_ms = milliseconds_since(start);
+  if (options.collect_profile) profile.stages_ms = {{"trace", threads * profile.frame_ms}};
+  profile.kernels_drawn = profile.kernels_total;
+  count(counts, profile);
+  return frame;
+}
+
 }  // namespace
 
 Frame render(const FrameJob& job, int threads) {
+  if (job.field.kernels() != nullptr) return render_kernels(job, threads);
   if (job.base == nullptr) return render_samples(job, threads);
   const RenderOptions& options = job.options;
   const RenderHooks& hooks = job.hooks;
@@ -258,34 +341,7 @@ Frame render(const LatticeField& field, const Camera& camera, const Look& look,
 Frame render(const KernelField& field, const Camera& camera, const Look& look,
              const RenderOptions& options, const RenderHooks& hooks, int threads,
              const view::LightVolume* light) {
-  camera.validate();
-  look.validate();
-  options.validate();
-  threads = checked_threads(threads, options);
-  const Clock::time_point start = Clock::now();
-  Frame frame;
-  frame.image = empty_image(options);
-  const ViewRays view(field, camera, options);
-  const std::vector<ViewedKernel> kernels = view_kernels(field, view);
-  const SheetRange sheets = sheets_reached(kernels, view, field.source().cutoff());
-  const KernelPlanes::Way way{
-      options.slab == Slab::kMean || (options.slab == Slab::kAuto && look.mode == Mode::kXray),
-      options.post_convolution};
-  constexpr int kRowsEach = 8;
-  const auto tracer = [&](int y0, int y1) {
-    return std::make_shared<const KernelTracer>(
-        field, KernelPlanes(field, kernels, view, sheets, {y0, y1, options.width}, way), view,
-        sheets, look, options, light);
-  };
-  const TraceCounts counts = RowPainter(tracer, kRowsEach, hooks, frame.image).paint(threads);
-  FrameProfile& profile = frame.profile;
-  profile.backend = "reference";
-  profile.threads = threads;
-  profile.frame_ms = milliseconds_since(start);
-  if (options.collect_profile) profile.stages_ms = {{"trace", threads * profile.frame_ms}};
-  profile.kernels_total = profile.kernels_drawn = field.num_kernels();
-  count(counts, profile);
-  return frame;
+  return render({field, camera, look, nullptr, options, hooks, light}, threads);
 }
 
 }  // namespace ovoid::reference

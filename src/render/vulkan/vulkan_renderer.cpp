@@ -58,6 +58,10 @@ struct VulkanRenderer::Impl {
     if (job.look.transfer_function_2d)
       throw Error(ErrorCode::kUnsupported,
                   "2-D transfer function: not by backend vulkan, take cpu or auto");
+    if (job.trail != nullptr && job.field.kernels() != nullptr)
+      throw Error(ErrorCode::kUnsupported,
+                  "trail: backend vulkan draws those of lattices, not of kernel sets, take cpu or "
+                  "auto");
     if (!job.further.empty())
       throw Error(ErrorCode::kUnsupported,
                   "further volumes: backend vulkan draws one, take cpu or auto");

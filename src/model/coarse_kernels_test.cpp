@@ -255,8 +255,8 @@ TEST(CoarseKernels, ProgressAndStop) {
 }
 
 // The galaxy's density where a pixel is eight times the default sampling distance, against the
-// whole set's. Measured: 27.5 dB: kernels a pixel or so wide, merged, are sqrt(2) times as wide.
-// What lies 0.3 pixels beside has 24.7. (The brighter the look, the less of both.)
+// whole set's: kernels a pixel or so wide, merged, are sqrt(2) times as wide. What lies 0.3 pixels
+// beside differs more. (The brighter the look, the more both do.)
 TEST(CoarseKernels, FromFarTheyLookTheSame) {
   KernelModelOptions model;
   model.is_density = true;

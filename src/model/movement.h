@@ -10,7 +10,7 @@ namespace ovoid::model {
 
 // Empty if two steps, no lattices, are of the same things, which then move straight from the one to
 // the other; else why that cannot be known.
-std::string difference_of(const Dataset& from, const Dataset& to);
+std::string difference_of(const Dataset& a, const Dataset& b);
 
 // Positions at a share of the way, float64; through the faces of a periodic box where that is
 // shorter. The steps are of the same things.

@@ -84,10 +84,10 @@ TEST(ParticleKernels, PeriodicBoxWraps) {
 
 // What is drawn of particles whose owner names no array.
 TEST(ParticleKernels, DensityIsTheDefaultOfWhatHasAMass) {
-  const auto cloud = [](const std::vector<std::string>& names) {
+  const auto cloud = [](const std::vector<const char*>& names) {
     Dataset dataset = cloud_dataset({{0, 0, 0}, {0.3, 0.1, 0}, {0.1, 0.2, 0.4}});
     dataset.arrays.clear();
-    for (const std::string& name : names) add_array(dataset, name, {1, 2, 4});
+    for (const char* const name : names) add_array(dataset, name, {1, 2, 4});
     return dataset;
   };
   EXPECT_TRUE(draws_density(cloud({})));

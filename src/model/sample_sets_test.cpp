@@ -34,7 +34,9 @@ TEST(SampleSets, EveryNameMakesItsKind) {
     EXPECT_NE(std::memcmp(bytes.data(), other.positions.bytes.view.data(), bytes.size()), 0);
     KernelModelReport report;
     const Dataset usual = make_sample(set.name);
-    EXPECT_NO_THROW(make_kernel_field(usual, {}, &report));
+    KernelModelOptions options;
+    options.is_density = draws_density(usual);
+    EXPECT_NO_THROW(make_kernel_field(usual, options, &report));
     EXPECT_EQ(report.num_kernels, usual.num_positions());
     EXPECT_EQ(report.notes, std::vector<std::string>());  // no cell inside out, nothing missing
     EXPECT_NO_THROW(make_kernel_field(make_sample(set.name, {.count = set.least_count})));

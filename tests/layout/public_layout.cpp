@@ -57,6 +57,8 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(PicturePart),
     OVOID_TYPE(KernelAttribute),
     OVOID_TYPE(KernelBrick),
+    OVOID_TYPE(KernelMoment),
+    OVOID_TYPE(KernelTrail),
     OVOID_TYPE(KernelView),
     OVOID_TYPE(KernelSource),
     {"BorrowedValues", sizeof(BorrowedValues<double>), alignof(BorrowedValues<double>)},

@@ -34,9 +34,10 @@ Affine3 placed_by(const JsonValue& node) {
   Affine3 placed = Affine3::Identity();
   if (node.has("matrix")) {
     const std::vector<double> columns = numbers_in(node.member("matrix"), 16);
-    for (int row = 0; row < 3; ++row)
-      for (int column = 0; column < 4; ++column)
-        placed(row, column) = columns[static_cast<std::size_t>(4 * column + row)];
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i % 4);
+      if (row < 3) placed(row, static_cast<Eigen::Index>(i / 4)) = columns[i];
+    }
     return placed;
   }
   if (node.has("translation")) {

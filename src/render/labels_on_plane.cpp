@@ -55,8 +55,7 @@ void LabelsOnPlane::find_marks(const PlaneView& view, int threads, const std::st
     colors_.push_back(style.color);
     mark_of.emplace(style.label, static_cast<Mark>(colors_.size()));
   }
-  const auto row = static_cast<std::size_t>(kPlaces * width_);
-  marks_.assign(row * static_cast<std::size_t>(kPlaces * height_), 0);
+  marks_.assign(row() * static_cast<std::size_t>(kPlaces) * static_cast<std::size_t>(height_), 0);
   data::parallel_ranges(
       {height_, kRowsAtATime, threads, stop}, [&](std::int64_t begin, std::int64_t end) {
         for (auto y = static_cast<int>(begin); y < end; ++y) {
@@ -70,7 +69,7 @@ void LabelsOnPlane::find_marks(const PlaneView& view, int threads, const std::st
                     labels_.map->label_at(hit->at + aside(i) * hit->per_x + aside(j) * hit->per_y);
                 const auto found = label ? mark_of.find(*label) : mark_of.end();
                 if (found == mark_of.end()) continue;
-                marks_[static_cast<std::size_t>(kPlaces * y + j) * row +
+                marks_[static_cast<std::size_t>(kPlaces * y + j) * row() +
                        static_cast<std::size_t>(kPlaces * x + i)] = found->second;
               }
             }

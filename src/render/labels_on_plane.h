@@ -30,8 +30,10 @@ class LabelsOnPlane {
   void find_marks(const PlaneView& view, int threads, const std::stop_token& stop);
   void find_edges(int threads, const std::stop_token& stop);
   Mark mark(int x, int y) const {
-    return marks_[static_cast<std::size_t>(y) * static_cast<std::size_t>(kPlaces * width_) +
-                  static_cast<std::size_t>(x)];
+    return marks_[static_cast<std::size_t>(y) * row() + static_cast<std::size_t>(x)];
+  }
+  std::size_t row() const {  // of marks
+    return static_cast<std::size_t>(kPlaces) * static_cast<std::size_t>(width_);
   }
   bool has_edge_near(int x, int y) const;
   bool is_on_line(int x, int y) const;

@@ -41,7 +41,8 @@ inline std::int64_t number_in_ring(const KernelFrame& frame, int layer, int j) {
 }
 
 inline void clear_mean(const BlockPlace& place, Sheet& sheet, float* presence) {
-  const auto count = static_cast<std::size_t>(place.rows * kTilePlane.stride);
+  const std::size_t count =
+      static_cast<std::size_t>(place.rows) * static_cast<std::size_t>(kTilePlane.stride);
   std::fill_n(sheet.values, count, 0.0F);
   std::fill_n(sheet.colors, count, 0.0F);
   std::fill_n(presence, count, 0.0F);

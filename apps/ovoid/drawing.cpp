@@ -280,25 +280,18 @@ std::optional<PointStyle> points_to_draw(const PointFlags& points) {
 
 namespace {
 
-// Options of a frame that ends at the surface of its mesh, if it has one.
-RenderOptions within_surface(const Renderer& renderer, const FrameSubject& subject,
-                             const Camera& camera, const RenderOptions& options,
-                             const RenderHooks& hooks) {
+// A mesh's field ends at its surface, the trail does not.
+Frame draw_with_trail(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
+                      const RenderOptions& options, const RenderHooks& hooks) {
   RenderOptions within = options;
   const Surface* const surface = subject.surface;
-  if (surface != nullptr && (surface->encloses_mesh() || subject.walls.opacity > 0)) {
+  const bool has_limits = subject.field.kernels() != nullptr && surface != nullptr &&
+                          (surface->encloses_mesh() || subject.walls.opacity > 0);
+  if (has_limits) {
     within.depth_limits = std::make_shared<DepthLimits>(boundary_limits(
         *surface, camera, subject.look, subject.walls, options, renderer.threads(), hooks.stop));
   }
-  return within;
-}
-
-Frame draw_with_trail(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
-                      const RenderOptions& options, const RenderHooks& hooks) {
-  const bool has_limits = subject.field.kernels() != nullptr;  // lattices have none with a trail
-  return renderer.render(
-      subject.field, camera, subject.look, *subject.trail,
-      has_limits ? within_surface(renderer, subject, camera, options, hooks) : options, hooks);
+  return renderer.render(subject.field, camera, subject.look, *subject.trail, within, hooks);
 }
 
 // A mesh's field within its surface, among the surfaces of --add.

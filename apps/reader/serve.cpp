@@ -22,6 +22,7 @@
 #include <utility>
 
 #include "io/core/memory.h"
+#include "io/core/row_share.h"
 #include "io/reader/reader_messages.h"
 #include "ovoid/error.h"
 #include "sandbox.h"
@@ -87,6 +88,7 @@ class Server {
       link_.send(io::LinkMessage::kProgress, bytes);
     };
     Dataset dataset = read_here_(request);
+    io::cut_to_share(dataset, request.options.share);
     if (const std::string refused = take_refused_file(); !refused.empty())
       dataset.notes.push_back(refused_text(refused));
     const io::DatasetMessage answer = io::to_message(std::move(dataset));

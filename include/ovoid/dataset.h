@@ -178,6 +178,12 @@ struct Cells {
   std::int64_t count() const noexcept;
 };
 
+// Which of a file's rows a dataset holds: `first` and those behind it, of `total`.
+struct DatasetShare {
+  std::int64_t first = 0;
+  std::int64_t total = 0;
+};
+
 // What a file says, before any choice of kernels: one lattice, mesh or set of points with its
 // arrays. A lattice's samples lie x fastest in memory, then y, then z; a mesh's arrays hold a tuple
 // per node, or per cell where `is_cell_data`; the others' a tuple per position.
@@ -193,6 +199,10 @@ struct Dataset {
   // kKernels: how they are meant to be summed and cut off, in sigmas, where that is known.
   std::optional<Reconstruction> reconstruction;
   std::optional<double> cutoff;
+  // kParticles, kKernels: set if a share of the rows was asked for (ReadOptions::share), which may
+  // be none: positions and arrays have rows [first, first + num_positions()) of the whole, and all
+  // else is the whole's.
+  std::optional<DatasetShare> share;
   Space space = Space::kNone;
   std::vector<DataArray> arrays;
   std::vector<DatasetBlock> blocks;        // all volumes of the input; empty if it is one
@@ -211,7 +221,8 @@ struct Dataset {
   // of cells, else the first that does none, else the first. Bookkeeping do arrays called "vtk*",
   // numbers of nodes, cells, blocks and particles (GlobalNodeId, ParticleIDs and their like), and
   // the shapes of stored kernels. Throws Error(kInvalidArgument) naming the arrays that exist. Cost
-  // of the default: one pass over the arrays looked at.
+  // of the default: one pass over the arrays looked at. Of a share the default depends on the rows
+  // that it holds: who puts shares together names the array.
   const DataArray& array(const std::string& name = {}) const&;
   DataArray array(const std::string& name = {}) const&& { return array(name); }  // of a temporary
 };

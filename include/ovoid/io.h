@@ -45,6 +45,13 @@ struct Hdf5Options {
   std::vector<std::string> values;  // empty: all that lie beside the positions
 };
 
+// The `number`-th, from 0, of `count` runs of a file's rows: of n rows, from n * number / count up
+// to but without n * (number + 1) / count, rounded down.
+struct RowShare {
+  int number = 0;
+  int count = 1;
+};
+
 struct ReadOptions {
   RawOptions raw;
   std::string array;                 // read only this one if the format allows; empty: all
@@ -64,6 +71,12 @@ struct ReadOptions {
   // zeros.
   bool faces = false;
   Hdf5Options hdf5;
+  // Of particles and stored kernels this run of the rows alone: many processes read a file
+  // together, and none holds all of it where docs/formats.md says so. Everything else is read
+  // whole. What a reader finds out from all rows (notes, a periodic box, which step is the first
+  // that varies) is the same in every share; numbers that are damaged are found by the share that
+  // holds them.
+  std::optional<RowShare> share;
   // Files that the input names (pieces, data files, external storage) may also lie below these
   // folders; without any, in the input's own folder alone, and HDF5 files take nothing from others.
   std::vector<std::string> data_folders;
@@ -91,7 +104,7 @@ bool would_stay_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptio
 // and its solutions, or else the time steps of one dataset, of which one is read. Peak memory of a
 // volume is at most 2.1 times the decoded size; sizes in headers are checked against the file
 // before anything is allocated. Throws Error: kFileNotFound, kFileFormat (names file and field),
-// kUnsupported, kInvalidArgument, kCancelled.
+// kUnsupported, kInvalidArgument (also for a share that is not 0 <= number < count), kCancelled.
 Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
 // The time steps of what read_dataset(paths) reads, one of which is read at a time; a single volume
@@ -99,10 +112,11 @@ Dataset read_dataset(const std::vector<std::string>& paths, const ReadOptions& o
 // Times are the input's own where it names them, of several files where every one of them does (the
 // field data TimeValue of VTK's XML files, the time step of LAMMPS dumps) and they are not all the
 // same; otherwise they are the steps' numbers. `options` are those of every read; options.step,
-// stop and progress are not looked at but for the one read that this takes. Throws what
-// read_dataset throws for the first step, which is read; Error(kFileNotFound) for any file that is
-// not there, and Error(kFileFormat), naming file and step, for times that are not finite or do not
-// rise. Cost: one step, and the header of every other file.
+// stop and progress are not looked at but for the one read that this takes; options.share is that
+// of each step's own rows, as in a read of that step. Throws what read_dataset throws for the first
+// step, which is read; Error(kFileNotFound) for any file that is not there, and Error(kFileFormat),
+// naming file and step, for times that are not finite or do not rise. Cost: one step, and the
+// header of every other file.
 std::shared_ptr<const StepSource> open_steps(const std::vector<std::string>& paths,
                                              const ReadOptions& options = {});
 

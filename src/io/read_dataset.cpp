@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/core/byte_source.h"
+#include "io/core/row_share.h"
 #include "io/dicom/dicom.h"
 #include "io/dicom/dicom_elements.h"
 #include "io/formats.h"
@@ -70,8 +71,10 @@ bool is_plot3d(const std::string& path, const RawOptions& raw, io::Plot3dContent
 template <typename Read>
 Dataset finished(const Read& read, const ReadOptions& options) {
   try {
+    io::check_share(options.share);
     Dataset dataset = read();
     check_choice(dataset, options);
+    io::cut_to_share(dataset, options.share);
     for (std::string& note : dataset.notes) note = printable(std::move(note));
     for (DataArray& array : dataset.arrays) {
       array.name = printable(std::move(array.name));

@@ -5,6 +5,7 @@
 
 #include "data/bookkeeping.h"
 #include "io/core/byte_source.h"
+#include "io/core/row_share.h"
 #include "io/core/sample_parts.h"
 #include "io/input_files.h"
 #include "io/read_source.h"
@@ -45,9 +46,14 @@ Dataset read_step_files(const std::vector<std::string>& paths, const ReadOptions
                                     ? std::vector(paths.begin() + 1, paths.end())
                                     : std::vector{paths[static_cast<std::size_t>(*options.step)]});
   if (options.step) return read_step_file(paths, *options.step, options);
+  // Of a step's rows, shares would choose each its own.
+  check_share(options.share);
+  ReadOptions whole = options;
+  whole.share.reset();
   for (std::int64_t step = 0; step < num_steps; ++step) {
-    Dataset dataset = read_step_file(paths, step, options);
+    Dataset dataset = read_step_file(paths, step, whole);
     if (!data::is_worth_showing(dataset, options.array)) continue;
+    cut_to_share(dataset, options.share);
     dataset.notes.push_back(chosen_step_note(dataset.source, step, num_steps));
     return dataset;
   }

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "io/core/row_share.h"
 #include "io/core/samples.h"
 #include "io/core/samples_in_file.h"
 #include "io/meshes/mesh_parts.h"
@@ -292,6 +293,26 @@ std::optional<Bounds3> box_of(const Json& json) {
   return box;
 }
 
+Json json_of(const std::optional<RowShare>& share) {
+  return share ? Json::array({share->number, share->count}) : Json();
+}
+
+Json json_of(const std::optional<DatasetShare>& share) {
+  return share ? Json::array({share->first, share->total}) : Json();
+}
+
+std::optional<RowShare> row_share_of(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  const std::optional share(RowShare{json.at(0), json.at(1)});
+  check_share(share);
+  return share;
+}
+
+std::optional<DatasetShare> dataset_share_of(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  return DatasetShare{count_of(json.at(0)), count_of(json.at(1))};
+}
+
 // Bytes that the arrays take in the memory.
 std::size_t num_shared_bytes(const Dataset& dataset) {
   const auto padded = [](std::size_t size) { return MemoryWriter::padded(size); };
@@ -314,6 +335,7 @@ Dataset dataset_of(const Json& json, const Shared& memory, const ReaderHost& hos
   dataset.cells = cells_of(json.at("cells"), memory);
   dataset.box_sizes = array_of(json.at("box_sizes"), memory, host);
   dataset.periodic_box = box_of(json.at("periodic_box"));
+  dataset.share = dataset_share_of(json.at("share"));
   dataset.space = enum_of(json.at("space"), Space::kRas);
   for (const Json& array : json.at("arrays"))
     dataset.arrays.push_back(array_of(array, memory, host));
@@ -334,8 +356,32 @@ void check_arrays(const Dataset& dataset, std::int64_t num_tuples) {
       nonsense(fmt::format("{} tuples for {} places", array.num_tuples, num_tuples));
 }
 
+// The rows are those that were asked for.
+void check_rows(const std::optional<RowShare>& share, const Dataset& dataset) {
+  const bool is_share = share && has_rows(dataset.kind);
+  if (is_share != dataset.share.has_value())
+    nonsense(is_share ? "all rows instead of a share" : "a share instead of all");
+  if (!is_share) return;
+  const Rows rows = rows_of_share(share, dataset.share->total);
+  if (dataset.share->total < 1 || dataset.share->first != rows.first ||
+      dataset.num_positions() != rows.count)
+    nonsense(fmt::format("{} rows from {} of {}, which is another share", dataset.num_positions(),
+                         dataset.share->first, dataset.share->total));
+}
+
+// A share without rows, which would be no mesh.
+void check_no_rows(const Dataset& dataset) {
+  if (dataset.positions.num_components != 3 || !is_floating(dataset.positions.type) ||
+      dataset.cells.count() != 0)
+    nonsense("no rows of something else than points");
+  check_arrays(dataset, 0);
+}
+
 // That the parts fit each other.
-void check_dataset(const std::string& source, const Dataset& dataset) {
+void check_dataset(const ReaderHost& host, const Dataset& dataset) {
+  const std::string& source = host.source;
+  check_rows(host.options.share, dataset);
+  if (dataset.share && dataset.num_positions() == 0) return check_no_rows(dataset);
   if (dataset.num_steps < 1 || dataset.step >= dataset.num_steps)
     nonsense("a step that is not there");
   switch (dataset.kind) {
@@ -380,6 +426,7 @@ std::vector<std::uint8_t> to_message(const ReaderRequest& request) {
                            {"values", options.hdf5.values},
                            {"may_stay_in_file", options.may_stay_in_file},
                            {"faces", options.faces},
+                           {"share", json_of(options.share)},
                            {"memory", request.memory},
                            {"files", request.files},
                            {"folders", request.folders}});
@@ -406,6 +453,7 @@ ReaderRequest request_from_message(const std::vector<std::uint8_t>& message) {
     request.options.hdf5.values = json.at("values").get<std::vector<std::string>>();
     request.options.may_stay_in_file = json.at("may_stay_in_file");
     request.options.faces = json.at("faces");
+    request.options.share = row_share_of(json.at("share"));
     request.memory = count_of(json.at("memory"));
     request.files = json.at("files").get<std::vector<std::string>>();
     request.folders = json.at("folders").get<std::vector<std::string>>();
@@ -438,6 +486,7 @@ DatasetMessage to_message(Dataset dataset) {
                   {"cells", json_of(std::move(dataset.cells), memory)},
                   {"box_sizes", json_of(std::move(dataset.box_sizes), memory)},
                   {"periodic_box", json_of(dataset.periodic_box)},
+                  {"share", json_of(dataset.share)},
                   {"space", static_cast<int>(dataset.space)},
                   {"arrays", arrays},
                   {"blocks", blocks},
@@ -457,7 +506,7 @@ Dataset dataset_from_message(const ReaderHost& host, const DatasetMessage& messa
     const auto memory = std::make_shared<const SharedMemory>(message.memory);
     Dataset dataset = parsed(message.description,
                              [&](const Json& json) { return dataset_of(json, memory, host); });
-    check_dataset(source, dataset);
+    check_dataset(host, dataset);
     return dataset;
   } catch (const Error& error) {
     throw Error(error.code(), fmt::format("{}: {}", source, error.what()));

@@ -15,7 +15,7 @@
 namespace ovoid::io {
 
 // A reader that speaks another version refuses every request.
-inline constexpr int kReaderProtocol = 5;
+inline constexpr int kReaderProtocol = 6;
 
 // Reads one dataset, or one step of it.
 struct ReaderRequest {
@@ -55,8 +55,9 @@ struct ReaderHost {
 // The dataset, its arrays and cells in the memory itself, which they keep, or, where they may, left
 // in the file. Everything is checked as if it came
 // from a file: the seals and the size of the memory, the places of arrays in it and in the file,
-// sizes against each other, node numbers, positions (finite), the lattice's axes. Throws
-// Error(kFileFormat) naming `source`, and what open_file() does.
+// sizes against each other, node numbers, positions (finite), the lattice's axes, and that the rows
+// are the share that was asked for. Throws Error(kFileFormat) naming `source`, and what open_file()
+// does.
 Dataset dataset_from_message(const ReaderHost& host, const DatasetMessage& message);
 
 }  // namespace ovoid::io

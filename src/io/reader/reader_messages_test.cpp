@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -103,6 +104,75 @@ TEST(ReaderMessages, RequestArrivesWhole) {
   EXPECT_EQ(got.files, sent.files);
   sent.options.step.reset();
   EXPECT_FALSE(request_from_message(to_message(sent)).options.step.has_value());
+}
+
+// Rows 3 to 6 of ten particles, as the second of three shares.
+Dataset share_of_particles() {
+  Dataset dataset;
+  dataset.source = "a.h5";
+  dataset.kind = DatasetKind::kParticles;
+  dataset.positions = make_array<float>("positions", ScalarType::kFloat32, counting<float>(9), 3);
+  dataset.arrays = {make_array<float>("v", ScalarType::kFloat32, {1, 2, 3})};
+  dataset.share = DatasetShare{3, 10};
+  return dataset;
+}
+
+ReaderHost host_of_share(const std::optional<RowShare>& share) {
+  ReaderHost host = host_of("a.h5");
+  host.options.share = share;
+  return host;
+}
+
+TEST(ReaderMessages, ShareArrivesWhole) {
+  ReaderRequest request;
+  EXPECT_FALSE(request_from_message(to_message(request)).options.share.has_value());
+  request.options.share = RowShare{1, 3};
+  const ReaderRequest got = request_from_message(to_message(request));
+  ASSERT_TRUE(got.options.share.has_value());
+  EXPECT_EQ(got.options.share->number, 1);
+  EXPECT_EQ(got.options.share->count, 3);
+  const Dataset sent = share_of_particles();
+  const Dataset arrived = dataset_from_message(host_of_share(RowShare{1, 3}), to_message(sent));
+  ASSERT_TRUE(arrived.share.has_value());
+  EXPECT_EQ(arrived.share->first, 3);
+  EXPECT_EQ(arrived.share->total, 10);
+}
+
+TEST(ReaderMessages, ShareWithoutRowsArrives) {
+  Dataset sent = share_of_particles();
+  sent.positions = make_array<float>("positions", ScalarType::kFloat32, {}, 3);
+  sent.arrays = {make_array<float>("v", ScalarType::kFloat32, {})};
+  sent.share = DatasetShare{0, 2};
+  const ReaderHost host = host_of_share(RowShare{0, 7});
+  EXPECT_EQ(dataset_from_message(host, to_message(sent)).num_positions(), 0);
+  const auto refusal = [&] {
+    return error_of([&] { dataset_from_message(host, to_message(sent)); });
+  };
+  sent.arrays = {make_array<float>("v", ScalarType::kFloat32, {1})};
+  EXPECT_EQ(refusal(), "file-format: a.h5: its reader sent 1 tuples for 0 places");
+  sent.arrays.clear();
+  sent.positions.num_components = 2;
+  EXPECT_EQ(refusal(), "file-format: a.h5: its reader sent no rows of something else than points");
+}
+
+TEST(ReaderMessages, AnotherShareIsRefused) {
+  const auto refusal = [](const std::optional<RowShare>& asked, const Dataset& sent) {
+    return error_of([&] { dataset_from_message(host_of_share(asked), to_message(sent)); });
+  };
+  const std::string wrong = "file-format: a.h5: its reader sent ";
+  Dataset sent = share_of_particles();
+  EXPECT_EQ(refusal(RowShare{1, 3}, sent), "");
+  EXPECT_EQ(refusal({}, sent), wrong + "a share instead of all");
+  EXPECT_EQ(refusal(RowShare{0, 3}, sent), wrong + "3 rows from 3 of 10, which is another share");
+  sent.share->total = 13;
+  EXPECT_EQ(refusal(RowShare{1, 3}, sent), wrong + "3 rows from 3 of 13, which is another share");
+  sent.share->total = 0;
+  EXPECT_EQ(refusal(RowShare{1, 3}, sent), wrong + "3 rows from 3 of 0, which is another share");
+  sent.share = DatasetShare{2, 10};
+  EXPECT_EQ(refusal(RowShare{1, 3}, sent), wrong + "3 rows from 2 of 10, which is another share");
+  sent.share.reset();
+  EXPECT_EQ(refusal(RowShare{1, 3}, sent), wrong + "all rows instead of a share");
+  EXPECT_EQ(refusal({}, sent), "");
 }
 
 TEST(ReaderMessages, OtherProtocolIsRefused) {

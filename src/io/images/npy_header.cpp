@@ -187,7 +187,8 @@ void check_npy_size(const ByteSource& source, const NpyHeader& header, ScalarTyp
                           available, fmt::join(header.shape, ", "), name_of(type), num_bytes));
 }
 
-NpySamples read_npy_samples(const ByteSource& source, const ReadOptions& options) {
+NpySamples read_npy_samples(const ByteSource& source, const ReadOptions& options,
+                            const std::optional<RowShare>& share) {
   NpySamples result;
   result.header = read_npy_header(source);
   const NpyType type = npy_type_of(source.name(), result.header.descr);
@@ -196,9 +197,19 @@ NpySamples read_npy_samples(const ByteSource& source, const ReadOptions& options
   const auto& shape = result.header.shape;
   const std::int64_t num_bytes = checked_num_bytes(source.name() + ": shape", shape, type.type);
   check_npy_size(source, result.header, type.type, num_bytes);
-  require_memory(fmt::format("{}: {}", source.name(), layout_text(shape, type.type)), num_bytes);
-  ReadProgress progress(options, num_bytes);
-  append_plain(source, result.header.data_offset, num_bytes, result.samples, progress);
+  result.rows = rows_of_share(share, shape[0]);
+  const std::int64_t row_size = num_bytes / shape[0];
+  const std::int64_t num_read = result.rows.count * row_size;
+  require_memory(fmt::format("{}: {}", source.name(), layout_text(shape, type.type)), num_read);
+  ReadProgress progress(options, num_read);
+  result.samples.reserve(num_read);
+  // In Fortran order the rows of a share are a run of each column.
+  const bool is_by_column = share && result.header.is_fortran_order;
+  const std::int64_t step = is_by_column ? static_cast<std::int64_t>(size_of(type.type)) : row_size;
+  for (std::int64_t run = 0; run < row_size / step; ++run) {
+    append_plain(source, result.header.data_offset + (run * shape[0] + result.rows.first) * step,
+                 result.rows.count * step, result.samples, progress);
+  }
   if (type.is_big_endian != (std::endian::native == std::endian::big))
     swap_bytes(result.samples.bytes(), size_of(type.type));
   return result;

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "io/core/byte_source.h"
+#include "io/core/row_share.h"
 #include "io/core/samples.h"
 #include "ovoid/io.h"
 #include "ovoid/lattice.h"
@@ -44,10 +46,13 @@ struct NpySamples {
   NpyHeader header;
   ScalarType type = ScalarType::kFloat32;
   bool is_boolean = false;
+  Rows rows;  // of the first axis: all, or the share's
   SampleBuffer samples;
 };
 
-// Throws Error; the file must end with the last sample.
-NpySamples read_npy_samples(const ByteSource& source, const ReadOptions& options);
+// `share`: of the rows of an array of one or two axes; the others are not read. Throws Error; the
+// file must end with the last sample.
+NpySamples read_npy_samples(const ByteSource& source, const ReadOptions& options,
+                            const std::optional<RowShare>& share = {});
 
 }  // namespace ovoid::io

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "data/varies.h"
 #include "io/core/byte_stream.h"
 #include "io/core/number_fields.h"
+#include "io/core/row_share.h"
 #include "io/core/sample_parts.h"
 #include "io/core/samples.h"
 #include "io/core/text_scanner.h"
@@ -86,8 +88,8 @@ class DumpReader {
     for (std::int64_t i = 0; i < frame.num_atoms; ++i) next_line();
   }
 
-  // Behind them. Of `dataset` it sets positions, arrays and box.
-  void read_atoms(const DumpFrame& frame, Dataset& dataset);
+  // Behind them. Of `dataset` it sets positions, arrays, box and share.
+  void read_atoms(const DumpFrame& frame, const std::optional<RowShare>& share, Dataset& dataset);
 
   bool is_cut() const noexcept { return is_cut_; }  // the file ended within a frame
 
@@ -205,7 +207,8 @@ void DumpReader::place(const DumpFrame& frame, const DumpPositions& positions, P
                                  Vec3(frame.hi[0], frame.hi[1], frame.hi[2]));
 }
 
-void DumpReader::read_atoms(const DumpFrame& frame, Dataset& dataset) {
+void DumpReader::read_atoms(const DumpFrame& frame, const std::optional<RowShare>& share,
+                            Dataset& dataset) {
   DumpPositions positions;
   if (!find_dump_positions(frame, positions))
     fail("the atoms have no columns x y z, xu yu zu, xs ys zs or xsu ysu zsu");
@@ -225,11 +228,14 @@ void DumpReader::read_atoms(const DumpFrame& frame, Dataset& dataset) {
   constexpr std::int64_t kAtomsAtATime = 4096;
   PointTable table(lay_out_points(lines_.where(), columns, notes_));
   std::vector<PointTable::Slot> slots(columns.size());
+  const Rows rows = rows_of_share(share, frame.num_atoms);
   for (std::int64_t i = 0; i < frame.num_atoms; ++i) {
     if (i > 0) line = next_line();
-    if (i % kAtomsAtATime == 0) {
-      table.extend(std::min(kAtomsAtATime, frame.num_atoms - i));
-      for (std::size_t c = 0; c < slots.size(); ++c) slots[c] = table.slot(c, i);
+    const std::int64_t row = i - rows.first;
+    if (row < 0 || row >= rows.count) continue;  // another share's: its numbers are not looked at
+    if (row % kAtomsAtATime == 0) {
+      table.extend(std::min(kAtomsAtATime, rows.count - row));
+      for (std::size_t c = 0; c < slots.size(); ++c) slots[c] = table.slot(c, row);
     }
     FieldReader fields(line, Separator::kBlanks);
     for (std::size_t c = 0; c < slots.size(); ++c) {
@@ -244,6 +250,7 @@ void DumpReader::read_atoms(const DumpFrame& frame, Dataset& dataset) {
   }
   place(frame, positions, table, dataset);
   table.release(dataset);
+  set_share(dataset, share, frame.num_atoms);
 }
 
 bool step_varies(const Dataset& dataset, const ReadOptions& options) {
@@ -263,7 +270,9 @@ Dataset read_lammps_dump(const ByteSource& source, const ReadOptions& options) {
   std::vector<std::string> notes, step_notes;
   DumpReader reader(lines, step_notes);
   DumpFrame frame;
-  bool is_found = false;
+  // Which step is the first that varies is seen in all of its atoms.
+  const auto share = options.step ? options.share : std::nullopt;
+  bool is_found = false, has_atoms = false;
   std::int64_t num_steps = 0;
   try {
     for (; reader.next(frame); ++num_steps) {
@@ -273,9 +282,11 @@ Dataset read_lammps_dump(const ByteSource& source, const ReadOptions& options) {
         Dataset tried;
         step_notes.clear();
         tried.source = source.name();
-        reader.read_atoms(frame, tried);
+        reader.read_atoms(frame, share, tried);
         is_found = options.step.has_value() || step_varies(tried, options);
-        if (is_found || dataset.positions.num_tuples == 0) {
+        if (is_found || !has_atoms) {
+          has_atoms = true;
+          dataset.share = tried.share;
           dataset.positions = std::move(tried.positions);
           dataset.arrays = std::move(tried.arrays);
           dataset.periodic_box = tried.periodic_box;
@@ -290,12 +301,12 @@ Dataset read_lammps_dump(const ByteSource& source, const ReadOptions& options) {
     }
   } catch (const Error&) {
     // A simulation that is still running, or was stopped, leaves part of a frame.
-    if (!reader.is_cut() || dataset.positions.num_tuples == 0) throw;
+    if (!reader.is_cut() || !has_atoms) throw;
     notes.push_back(fmt::format("{}: the last frame is cut short and left out", source.name()));
   }
   dataset.num_steps = static_cast<std::int64_t>(dataset.times.size());
   if (options.step) check_step(source.name(), *options.step, dataset.num_steps);
-  if (dataset.positions.num_tuples == 0)
+  if (!has_atoms)
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: has no frame with atoms", source.name()));
   if (!options.step && dataset.num_steps > 1)
     notes.push_back(chosen_step_note(source.name(), dataset.step, dataset.num_steps));

@@ -12,6 +12,7 @@
 #include "data/names_text.h"
 #include "io/core/atomic_file.h"
 #include "io/core/point_arrays.h"
+#include "io/core/row_share.h"
 #include "io/core/samples.h"
 #include "io/core/zip_file.h"
 #include "io/images/npy.h"
@@ -24,11 +25,11 @@ namespace {
 
 constexpr std::int64_t kMaxNpzComponents = 64;
 
-// An array of one axis, or two: rows and components.
+// An array of one axis, or two: rows, of which a share may be read, and components.
 DataArray npy_rows(const ByteSource& source, const ReadOptions& options) {
-  NpySamples read = read_npy_samples(source, options);
+  NpySamples read = read_npy_samples(source, options, options.share);
   const auto& shape = read.header.shape;
-  DataArray array{"", read.type, 1, shape[0], "", false, {}};
+  DataArray array{"", read.type, 1, read.rows.count, "", false, {}};
   if (shape.size() == 2) array.num_components = static_cast<int>(shape[1]);
   if (!read.header.is_fortran_order || array.num_components == 1) {
     array.bytes = read.samples.release();
@@ -79,8 +80,8 @@ const ZipEntry& positions_entry(const ByteSource& source, const std::vector<ZipE
   return *found;
 }
 
-void add_npz_array(const ByteSource& source, const ZipEntry& entry, const ReadOptions& options,
-                   Dataset& dataset) {
+void add_npz_array(const ByteSource& source, const ZipEntry& entry, std::int64_t num_rows,
+                   const ReadOptions& options, Dataset& dataset) {
   const std::string_view name = array_name(entry.name);
   const auto leave_out = [&](const std::string& why) {
     dataset.notes.push_back(
@@ -89,10 +90,9 @@ void add_npz_array(const ByteSource& source, const ZipEntry& entry, const ReadOp
   const ZipMember member = open_zip_entry(source, entry);
   if (!looks_like_npy(member.source->text(0, 16))) return leave_out("it is no array");
   const auto rows = rows_of(read_npy_header(*member.source));
-  if (!rows || rows->first != dataset.positions.num_tuples) {
+  if (!rows || rows->first != num_rows) {
     return leave_out(fmt::format("its shape is ({}): expected {} rows",
-                                 fmt::join(read_npy_header(*member.source).shape, ", "),
-                                 dataset.positions.num_tuples));
+                                 fmt::join(read_npy_header(*member.source).shape, ", "), num_rows));
   }
   DataArray array;
   try {
@@ -122,8 +122,9 @@ Dataset read_npy_points(const ByteSource& source, const ReadOptions& options) {
   dataset.source = source.name();
   dataset.format = "NPY";
   dataset.kind = DatasetKind::kParticles;
+  const std::int64_t num_rows = read_npy_header(source).shape[0];
   dataset.notes.push_back(fmt::format("{}: shape ({}, {}) taken as points x, y, z{}", source.name(),
-                                      rows.num_tuples, rows.num_components,
+                                      num_rows, rows.num_components,
                                       rows.num_components == 4 ? " with a value" : ""));
   if (rows.num_components == 4) {
     DataArray values = take_components(rows, 3, 1);
@@ -133,6 +134,7 @@ Dataset read_npy_points(const ByteSource& source, const ReadOptions& options) {
   }
   dataset.positions = floating_values(rows);
   dataset.positions.name = "positions";
+  set_share(dataset, options.share, num_rows);
   return dataset;
 }
 
@@ -143,6 +145,7 @@ Dataset read_npz(const ByteSource& source, const ReadOptions& options) {
   dataset.source = source.name();
   dataset.format = "NPZ";
   dataset.kind = DatasetKind::kParticles;
+  std::int64_t num_rows = 0;
   {
     const ZipMember member = open_zip_entry(source, positions);
     const auto rows = rows_of(read_npy_header(*member.source));
@@ -151,11 +154,13 @@ Dataset read_npz(const ByteSource& source, const ReadOptions& options) {
                   fmt::format("{}: shape ({}): expected (N, 3)", member.source->name(),
                               fmt::join(read_npy_header(*member.source).shape, ", ")));
     }
+    num_rows = rows->first;
     dataset.positions = floating_values(npy_rows(*member.source, options));
     dataset.positions.name = "positions";
   }
   for (const ZipEntry& entry : entries)
-    if (&entry != &positions) add_npz_array(source, entry, options, dataset);
+    if (&entry != &positions) add_npz_array(source, entry, num_rows, options, dataset);
+  set_share(dataset, options.share, num_rows);
   shorten_notes(dataset.notes);
   return dataset;
 }

@@ -19,12 +19,13 @@ inline constexpr std::int64_t kMaxUnclearPoints = 4;
 // Is the shape (N, 3), or (N, 4), with N > kMaxUnclearPoints?
 bool is_npy_of_points(std::span<const std::int64_t> shape) noexcept;
 
-// Positions, and of four columns the last one as the array "value". Throws Error.
+// Positions, and of four columns the last one as the array "value"; options.share alone is read.
+// Throws Error.
 Dataset read_npy_points(const ByteSource& source, const ReadOptions& options);
 
 // The arrays of an NPZ: `positions`, (N, 3), or the only one called like positions; the others of
-// N rows are arrays, what does not fit is left out with a note. Peak memory is that of the arrays
-// and, while it is unpacked, one more. Throws Error.
+// N rows are arrays, what does not fit is left out with a note. Peak memory is that of the arrays,
+// or options.share of them, and, while it is unpacked, all of one more. Throws Error.
 Dataset read_npz(const ByteSource& source, const ReadOptions& options);
 
 // Writes positions and arrays under their names, stored. Throws Error(kFileWrite, kUnsupported).

@@ -23,6 +23,7 @@
 #include "io/core/number_fields.h"
 #include "io/core/numbers.h"
 #include "io/core/point_arrays.h"
+#include "io/core/row_share.h"
 #include "io/core/samples.h"
 #include "io/core/text_scanner.h"
 #include "io/points/ply_header.h"
@@ -122,8 +123,9 @@ PlyOrder order_properties(const PlyElement& element, bool is_kernels,
 // Arrays of the wanted size, and where each property goes.
 class PlyArrays {
  public:
-  PlyArrays(const PlyElement& element, const PlyOrder& order, const PointLayout& layout)
-      : num_records_(element.count) {
+  PlyArrays(const PlyElement& element, const PlyOrder& order, const PointLayout& layout,
+            const Rows& read_rows)
+      : rows(read_rows) {
     for (std::size_t a = 0; a < layout.arrays.size(); ++a) add_array(element, order, layout, a);
     std::vector<std::int64_t> offsets{0};
     for (const PlyProperty& property : element.properties)
@@ -139,6 +141,7 @@ class PlyArrays {
     }
   }
 
+  Rows rows;                       // the records that are read
   std::vector<DataArray> arrays;   // the first one is the positions
   std::vector<std::byte*> memory;  // of each
   std::vector<PlyColumn> columns;
@@ -158,15 +161,13 @@ class PlyArrays {
     arrays.push_back(new_array({layout.arrays[a].name,
                                 *type,
                                 layout.arrays[a].num_components,
-                                num_records_,
+                                rows.count,
                                 layout.arrays[a].unit,
                                 false,
                                 {}},
                                to));
     memory.push_back(to);
   }
-
-  std::int64_t num_records_;
 };
 
 // Takes a property out of `count` records; `to` is where that of the first one goes.
@@ -197,12 +198,13 @@ void read_binary_points(const ByteSource& source, const PlyHeader& header,
   const std::int64_t at_a_time = std::max<std::int64_t>(1, (std::int64_t{1} << 20) / record_size);
   const bool is_swapped =
       (header.format == PlyHeader::Format::kBigEndian) != (std::endian::native == std::endian::big);
+  const Rows& rows = arrays.rows;
   std::vector<std::byte> piece(
-      static_cast<std::size_t>(std::min(at_a_time, element.count) * record_size));
-  for (std::int64_t first = 0; first < element.count; first += at_a_time) {
-    const std::int64_t count = std::min(at_a_time, element.count - first);
+      static_cast<std::size_t>(std::min(at_a_time, rows.count) * record_size));
+  for (std::int64_t first = 0; first < rows.count; first += at_a_time) {
+    const std::int64_t count = std::min(at_a_time, rows.count - first);
     const auto part = std::span(piece).first(static_cast<std::size_t>(count * record_size));
-    source.read(offset + first * record_size, part);
+    source.read(offset + (rows.first + first) * record_size, part);
     for (const PlyColumn& column : arrays.columns) {
       take_column(column, part.data(), record_size, count, is_swapped,
                   column.to + static_cast<std::size_t>(first) * column.stride);
@@ -292,20 +294,21 @@ void read_text_points(const ByteSource& source, const PlyHeader& header, std::si
     }
     if (lines.number() <= num_passed || line.find_first_not_of(" \t") == std::string_view::npos)
       continue;
+    const std::int64_t row = record++ - arrays.rows.first;
+    if (row < 0 || row >= arrays.rows.count) continue;
     FieldReader fields(line, Separator::kBlanks);
     for (std::size_t p = 0; p < columns.size(); ++p) {
       double value = 0;
       if (!fields.number(value) ||
           (columns[p] != nullptr &&
            !store_number(value, columns[p]->to_type,
-                         columns[p]->to + static_cast<std::size_t>(record) * columns[p]->stride))) {
+                         columns[p]->to + static_cast<std::size_t>(row) * columns[p]->stride))) {
         throw Error(ErrorCode::kFileFormat,
                     fmt::format("{}: property '{}' is '{}': expected {}", lines.where(),
                                 element.properties[p].name, fields.text().substr(0, 32),
                                 name_of(element.properties[p].type)));
       }
     }
-    ++record;
   }
 }
 
@@ -375,7 +378,7 @@ Dataset read_ply(const ByteSource& source, const ReadOptions& options) {
         fmt::format("{}: properties left out: {}", source.name(), data::names_text(left_out)));
   }
   const PointLayout layout = lay_out_points(source.name(), order.columns, dataset.notes);
-  PlyArrays arrays(element, order, layout);
+  PlyArrays arrays(element, order, layout, rows_of_share(options.share, element.count));
   ReadProgress progress(options, source.size());
   if (is_text)
     read_text_points(source, header, index, arrays, progress);
@@ -387,6 +390,7 @@ Dataset read_ply(const ByteSource& source, const ReadOptions& options) {
     dataset.arrays.push_back(std::move(arrays.arrays[a]));
   }
   dataset.positions = std::move(arrays.arrays[0]);
+  set_share(dataset, options.share, element.count);
   if (is_kernels) note_colors(source, element, dataset);
   return dataset;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The file is gone through twice: once up to the first lines of numbers, to see how it is laid out,
-// and once to read it. A table is read in batches of rows, so that the arrays grow seldom and the
-// loop over a line's fields knows where each of them goes.
+// and once to read it; once more to count the rows, if a share of them is read. A table is read in
+// batches of rows, so that the arrays grow seldom and the loop over a line's fields knows where
+// each of them goes.
 #include "io/points/point_text.h"
 
 #include <fmt/format.h>
@@ -13,10 +14,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "io/core/byte_stream.h"
 #include "io/core/number_fields.h"
+#include "io/core/row_share.h"
 #include "io/core/samples.h"
 #include "io/core/signatures.h"
 #include "io/core/text_scanner.h"
@@ -129,22 +132,46 @@ std::vector<std::string> names_for(const std::string& where, const TextTable& ta
   return names;
 }
 
+// Walks the lines that are rows: all but comments and the names.
+class RowLines {
+ public:
+  RowLines(const TextTable& shape, LineReader& lines) : lines_(lines), has_names_(shape.is_sure) {}
+
+  bool next(std::string_view& line) {
+    while (lines_.next(line)) {
+      if (lines_.number() == 1) line = without_mark(line);
+      if (is_left_out(line)) continue;
+      if (!std::exchange(has_names_, false)) return true;
+    }
+    return false;
+  }
+
+ private:
+  LineReader& lines_;
+  bool has_names_;
+};
+
+std::int64_t count_rows(const ByteSource& source, const TextTable& shape, ReadProgress& progress) {
+  const auto stream = open_stream(source, progress);
+  LineReader lines(*stream, source.name());
+  RowLines rows(shape, lines);
+  std::int64_t count = 0;
+  for (std::string_view line; rows.next(line);) ++count;
+  return count;
+}
+
 // Reads rows into a table that knows where each column goes.
 class RowReader {
  public:
   RowReader(const TextTable& shape, PointTable& table)
       : shape_(shape), table_(table), slots_(shape.is_number.size()) {}
 
-  void read(LineReader& lines, std::int64_t num_names_lines) {
+  // Of all rows those that are wanted; the others' numbers are not looked at.
+  void read(LineReader& lines, const Rows& wanted) {
+    RowLines rows(shape_, lines);
     std::string_view line;
-    bool has_names = num_names_lines > 0;
-    while (lines.next(line)) {
-      if (lines.number() == 1) line = without_mark(line);
-      if (is_left_out(line)) continue;
-      if (has_names) {
-        has_names = false;
-        continue;
-      }
+    for (std::int64_t row = 0; row < wanted.end() && rows.next(line); ++row) {
+      if (row < wanted.first) continue;
       if (num_left_ == 0) extend();
       read_row(lines, line);
       --num_left_;
@@ -284,6 +311,7 @@ void read_quantities(const ByteSource& source, const TextTable& shape, LineReade
 }
 
 void read_rows(const ByteSource& source, const TextTable& shape, LineReader& lines,
+               const std::optional<std::int64_t>& num_rows, const std::optional<RowShare>& share,
                Dataset& dataset) {
   if (shape.is_number.size() > kMaxPointColumns) {
     throw Error(ErrorCode::kUnsupported,
@@ -295,8 +323,16 @@ void read_rows(const ByteSource& source, const TextTable& shape, LineReader& lin
   std::vector<PointColumn> columns;
   for (std::size_t i = 0; i < names.size(); ++i) columns.push_back({names[i], shape.is_number[i]});
   PointTable table(lay_out_points(source.name(), columns, dataset.notes));
-  RowReader(shape, table).read(lines, shape.is_sure ? 1 : 0);
+  const Rows wanted = num_rows ? rows_of_share(share, *num_rows)
+                               : Rows{0, std::numeric_limits<std::int64_t>::max()};
+  RowReader(shape, table).read(lines, wanted);
+  if (num_rows && table.num_rows() < wanted.count) {
+    throw Error(ErrorCode::kFileFormat,
+                fmt::format("{}: had {} lines of numbers when it was opened, and has fewer",
+                            source.name(), *num_rows));
+  }
   table.release(dataset);
+  if (num_rows) set_share(dataset, share, *num_rows);
 }
 
 }  // namespace
@@ -306,16 +342,20 @@ Dataset read_point_text(const ByteSource& source, const ReadOptions& options) {
   Dataset dataset;
   dataset.source = source.name();
   dataset.format = plain_ending_of(source.name()) == ".csv" ? "CSV" : "text";
-  ReadProgress progress(options, source.size());
-  const auto stream = open_stream(source, progress);
-  LineReader lines(*stream, source.name());
   const bool is_by_line = shape.num_lines >= kMinQuantityLines &&
                           shape.num_lines <= kMaxQuantityLines &&
                           shape.num_columns >= kMinLineRatio * shape.num_lines;
+  // Which rows are a share's is known when all are counted.
+  const bool is_counted = options.share && !is_by_line;
+  ReadProgress progress(options, is_counted ? 2 * source.size() : source.size());
+  std::optional<std::int64_t> num_rows;
+  if (is_counted) num_rows = count_rows(source, shape, progress);
+  const auto stream = open_stream(source, progress);
+  LineReader lines(*stream, source.name());
   if (is_by_line)
     read_quantities(source, shape, lines, dataset);
   else
-    read_rows(source, shape, lines, dataset);
+    read_rows(source, shape, lines, num_rows, options.share, dataset);
   return dataset;
 }
 

@@ -98,26 +98,38 @@ std::int64_t Hdf5File::num_bytes(const Hdf5Dataset& dataset) const {
          static_cast<std::int64_t>(dataset.type ? size_of(dataset.type->type) : 0);
 }
 
-DataArray Hdf5File::read(const Hdf5Dataset& described, bool is_transposed,
-                         ReadProgress& progress) const {
+std::int64_t Hdf5Table::rows_at_once() const {
+  return hdf5_run_at_once(dataset_.get(), extent_, is_transposed_ ? 1 : 0);
+}
+
+DataArray Hdf5Table::read(const Rows& rows, ReadProgress& progress) const {
+  const ScalarType type = extent_.type.type;
+  const std::int64_t columns = is_transposed_            ? extent_.dims[0]
+                               : extent_.dims.size() > 1 ? extent_.dims[1]
+                                                         : 1;
+  const auto num_bytes = static_cast<std::size_t>(rows.count * columns * extent_.item_size());
+  const DataArray described{name_, type, static_cast<int>(columns), rows.count, "", false, {}};
+  std::byte* to = nullptr;
+  DataArray array = new_array(described, to);
+  if (!is_transposed_) {
+    read_hdf5_rows(dataset_.get(), extent_, rows.first, {to, num_bytes}, progress);
+    return array;
+  }
+  read_hdf5_columns(dataset_.get(), extent_, rows.first, {to, num_bytes}, progress);
+  DataArray turned = new_array(described, to);
+  transpose_items(array.bytes.view.data(), to, columns, rows.count, size_of(type));
+  return turned;
+}
+
+Hdf5Table Hdf5File::open(const Hdf5Dataset& described, bool is_transposed) const {
   const std::string where = fmt::format("{}: '{}'", name_, described.path);
-  const Hdf5Handle dataset(H5Dopen2(file_.get(), described.path.c_str(), H5P_DEFAULT), H5Dclose);
+  Hdf5Handle dataset(H5Dopen2(file_.get(), described.path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset.is_open() || !described.type) fail(fmt::format("'{}' is broken", described.path));
   if (described.dims.size() > 2) fail(fmt::format("'{}' is no table", described.path));
   checked_num_bytes(where, described.dims, described.type->type);
-  const std::int64_t rows = described.dims[0];
-  const std::int64_t columns = described.dims.size() > 1 ? described.dims[1] : 1;
-  const Hdf5Extent extent{where, *described.type, described.dims};
+  Hdf5Extent extent{where, *described.type, described.dims};
   check_hdf5_storage(dataset.get(), extent, *source_);
-  std::byte* to = nullptr;
-  DataArray array = new_array(
-      {described.name, extent.type.type, static_cast<int>(columns), rows, "", false, {}}, to);
-  read_hdf5_storage(dataset.get(), extent, to, progress);
-  if (!is_transposed) return array;
-  DataArray turned = new_array(
-      {described.name, extent.type.type, static_cast<int>(rows), columns, "", false, {}}, to);
-  transpose_items(array.bytes.view.data(), to, rows, columns, size_of(array.type));
-  return turned;
+  return {described.name, std::move(dataset), std::move(extent), is_transposed};
 }
 
 std::vector<double> Hdf5File::numbers(const std::string& object, const std::string& name) const {
@@ -136,7 +148,8 @@ std::vector<double> Hdf5File::numbers(const std::string& object, const std::stri
     if (dataset.path != path || !dataset.type || !count || *count < 1 || *count > kMost) continue;
     const ReadOptions options;
     ReadProgress progress(options, 0);
-    const DataArray array = read(dataset, false, progress);
+    const Hdf5Table table = open(dataset);
+    const DataArray array = table.read({0, table.num_rows()}, progress);
     return doubles(array.type, array.bytes.view.data(), *count);
   }
   if (!exists(object) ||

@@ -10,9 +10,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io/core/byte_source.h"
+#include "io/core/row_share.h"
 #include "io/core/samples.h"
 #include "io/foreign/hdf5_handle.h"
 #include "io/foreign/hdf5_storage.h"
@@ -33,6 +35,30 @@ struct Hdf5Dataset {
   std::optional<Hdf5Type> type;  // none if it holds no numbers that are read
 };
 
+// A dataset of one or two axes that is open, its rows as tuples; of a file that must outlive it.
+class Hdf5Table {
+ public:
+  // After check_hdf5_storage(). `is_transposed`: [k, n], whose columns are the rows.
+  Hdf5Table(std::string name, Hdf5Handle dataset, Hdf5Extent extent, bool is_transposed)
+      : name_(std::move(name)),
+        dataset_(std::move(dataset)),
+        extent_(std::move(extent)),
+        is_transposed_(is_transposed) {}
+
+  std::int64_t num_rows() const noexcept { return extent_.dims[is_transposed_ ? 1 : 0]; }
+  // Rows whose reading, one run behind the other, unpacks each chunk once.
+  std::int64_t rows_at_once() const;
+  // A run of the rows. Peak memory is theirs, twice that if transposed, and a chunk. Throws Error:
+  // kFileFormat, kCancelled.
+  DataArray read(const Rows& rows, ReadProgress& progress) const;
+
+ private:
+  std::string name_;
+  Hdf5Handle dataset_;
+  Hdf5Extent extent_;
+  bool is_transposed_;
+};
+
 class Hdf5File {
  public:
   // Lists datasets of up to `max_rank` axes. Throws Error(kFileFormat) if the library cannot open
@@ -48,10 +74,9 @@ class Hdf5File {
 
   bool exists(const std::string& path) const;
 
-  // The numbers of a dataset of one or two axes with rows as tuples; [k, n] with `is_transposed`.
-  // Throws Error: kFileFormat for one that is broken or does not fit the file, kUnsupported as
-  // check_hdf5_storage() says, kCancelled.
-  DataArray read(const Hdf5Dataset& described, bool is_transposed, ReadProgress& progress) const;
+  // A dataset of one or two axes. Throws Error: kFileFormat for one that is broken or does not fit
+  // the file, kUnsupported as check_hdf5_storage() says.
+  Hdf5Table open(const Hdf5Dataset& described, bool is_transposed = false) const;
   // Bytes in the file, as far as that is known; for progress.
   std::int64_t num_bytes(const Hdf5Dataset& dataset) const;
 

@@ -20,6 +20,7 @@
 
 #include "data/scalar_visit.h"
 #include "io/core/point_arrays.h"
+#include "io/core/row_share.h"
 #include "io/core/samples.h"
 #include "io/core/text_scanner.h"
 #include "io/foreign/hdf5_file.h"
@@ -159,31 +160,67 @@ Hdf5Positions find_hdf5_positions(const Hdf5File& file, const std::string& sourc
   return *chosen;
 }
 
+// The box from 0 to its edges that Gadget's header tells; nothing if it tells none.
+std::optional<Bounds3> gadget_box(const Hdf5File& file) {
+  const std::vector<double> size = file.numbers("/Header", "BoxSize");
+  if (size.size() != 1 && size.size() != 3) return std::nullopt;
+  Vec3 hi;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    hi[static_cast<Eigen::Index>(axis)] = size.size() == 1 ? size[0] : size[axis];
+  if (!(hi.minCoeff() > 0) || !hi.allFinite()) return std::nullopt;
+  return Bounds3(Vec3::Zero(), hi);
+}
+
+// Are the points within the box, by the axes from `axis` on, as many as they have components?
+bool are_within(const Bounds3& box, const DataArray& points, std::size_t axis) {
+  return data::visit_scalar(points.type, [&]<class T>(std::type_identity<T>) {
+    for (std::int64_t i = 0; i < points.num_tuples * points.num_components; ++i) {
+      const auto p = static_cast<double>(data::load_scalar<T>(points.bytes.view.data(), i));
+      const auto a = static_cast<Eigen::Index>(axis) + i % points.num_components;
+      if (p < box.min()[a] || p > box.max()[a]) return false;
+    }
+    return true;
+  });
+}
+
 // Reads what was found or asked for into a dataset.
 class Hdf5Reader {
  public:
   Hdf5Reader(const Hdf5File& file, const ReadOptions& options, Hdf5Positions positions,
              Dataset& dataset)
-      : file_(file), options_(options), positions_(std::move(positions)), dataset_(dataset) {}
+      : file_(file),
+        options_(options),
+        positions_(std::move(positions)),
+        rows_(rows_of_share(options.share, positions_.count)),
+        dataset_(dataset) {}
 
   void run() {
     const std::vector<const Hdf5Dataset*> values = choose_values();
+    const std::optional<Bounds3> box = gadget_box(file_);
     std::int64_t total = 0;
-    for (const Hdf5Dataset* part : positions_.datasets) total += file_.num_bytes(*part);
-    for (const Hdf5Dataset* value : values) total += file_.num_bytes(*value);
+    for (const Hdf5Dataset* part : positions_.datasets)
+      total += num_bytes_read(*part) + (box && is_share() ? file_.num_bytes(*part) : 0);
+    for (const Hdf5Dataset* value : values) total += num_bytes_read(*value);
     ReadProgress progress(options_, total);
     read_positions(progress);
     for (const Hdf5Dataset* value : values) {
-      DataArray array = file_.read(*value, false, progress);
+      DataArray array = file_.open(*value).read(rows_, progress);
       array.name = value->group == positions_.group() ? value->name : value->path;
       dataset_.arrays.push_back(std::move(array));
     }
-    add_periodic_box();
+    if (box) add_periodic_box(*box, progress);
     add_masses();
     add_density();
+    set_share(dataset_, options_.share, positions_.count);
   }
 
  private:
+  bool is_share() const noexcept { return rows_.count < positions_.count; }
+
+  std::int64_t num_bytes_read(const Hdf5Dataset& dataset) const {
+    return file_.num_bytes(dataset) / positions_.count * rows_.count;
+  }
+
   bool is_positions(const Hdf5Dataset& dataset) const {
     return std::find(positions_.datasets.begin(), positions_.datasets.end(), &dataset) !=
            positions_.datasets.end();
@@ -226,16 +263,15 @@ class Hdf5Reader {
 
   void read_positions(ReadProgress& progress) {
     if (positions_.datasets.size() == 1) {
-      dataset_.positions =
-          floating_values(file_.read(*positions_.datasets[0], positions_.is_transposed, progress));
+      const Hdf5Table table = file_.open(*positions_.datasets[0], positions_.is_transposed);
+      dataset_.positions = floating_values(table.read(rows_, progress));
     } else {
       std::byte* to = nullptr;
-      dataset_.positions =
-          new_array({"", ScalarType::kFloat64, 3, positions_.count, "", false, {}}, to);
+      dataset_.positions = new_array({"", ScalarType::kFloat64, 3, rows_.count, "", false, {}}, to);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const DataArray part = file_.read(*positions_.datasets[axis], false, progress);
+        const DataArray part = file_.open(*positions_.datasets[axis]).read(rows_, progress);
         data::visit_scalar(part.type, [&]<class T>(std::type_identity<T>) {
-          for (std::int64_t i = 0; i < positions_.count; ++i) {
+          for (std::int64_t i = 0; i < rows_.count; ++i) {
             const auto value = static_cast<double>(data::load_scalar<T>(part.bytes.view.data(), i));
             std::memcpy(to + (static_cast<std::size_t>(i) * 3 + axis) * sizeof(double), &value,
                         sizeof(double));
@@ -247,33 +283,31 @@ class Hdf5Reader {
   }
 
   // Gadget's box, unless particles lie outside it: then the simulation had none, or is centred.
-  void add_periodic_box() {
-    const std::vector<double> size = file_.numbers("/Header", "BoxSize");
-    if (size.size() != 1 && size.size() != 3) return;
-    Vec3 hi;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      hi[static_cast<Eigen::Index>(axis)] = size.size() == 1 ? size[0] : size[axis];
-    if (!(hi.minCoeff() > 0) || !hi.allFinite()) return;
-    const Bounds3 box(Vec3::Zero(), hi);
+  void add_periodic_box(const Bounds3& box, ReadProgress& progress) {
     // Some codes let particles leave by a little until they are sorted again.
-    const Vec3 margin = 0.01 * hi;
-    const Bounds3 wide(-margin, hi + margin);
-    const bool is_inside =
-        data::visit_scalar(dataset_.positions.type, [&]<class T>(std::type_identity<T>) {
-          for (std::int64_t i = 0; i < 3 * positions_.count; ++i) {
-            const auto p =
-                static_cast<double>(data::load_scalar<T>(dataset_.positions.bytes.view.data(), i));
-            if (p < wide.min()[i % 3] || p > wide.max()[i % 3]) return false;
-          }
-          return true;
-        });
-    if (is_inside) {
+    const Vec3 margin = 0.01 * box.max();
+    const Bounds3 wide(-margin, box.max() + margin);
+    if (are_within(wide, dataset_.positions, 0) && are_others_within(wide, progress)) {
       dataset_.periodic_box = box;
     } else {
       dataset_.notes.push_back(fmt::format(
           "{}: particles lie outside the box of size {}: it is not taken for a periodic one",
-          dataset_.source, hi[0]));
+          dataset_.source, box.max()[0]));
     }
+  }
+
+  // Are the particles of other shares, too? They are looked at piece by piece.
+  bool are_others_within(const Bounds3& box, ReadProgress& progress) const {
+    if (!is_share()) return true;
+    for (std::size_t axis = 0; axis < positions_.datasets.size(); ++axis) {
+      const Hdf5Table table = file_.open(*positions_.datasets[axis], positions_.is_transposed);
+      const std::int64_t step = table.rows_at_once();
+      for (std::int64_t first = 0; first < positions_.count; first += step) {
+        const Rows piece{first, std::min(step, positions_.count - first)};
+        if (!are_within(box, table.read(piece, progress), axis)) return false;
+      }
+    }
+    return true;
   }
 
   const DataArray* find(std::initializer_list<std::string_view> names) const {
@@ -330,9 +364,8 @@ class Hdf5Reader {
   template <typename ValueOf>
   void add_array(const char* name, const ValueOf& value_of) {
     std::byte* to = nullptr;
-    DataArray array =
-        new_array({name, ScalarType::kFloat32, 1, positions_.count, "", false, {}}, to);
-    for (std::int64_t i = 0; i < positions_.count; ++i) {
+    DataArray array = new_array({name, ScalarType::kFloat32, 1, rows_.count, "", false, {}}, to);
+    for (std::int64_t i = 0; i < rows_.count; ++i) {
       const auto value = static_cast<float>(value_of(i));
       std::memcpy(to + static_cast<std::size_t>(i) * sizeof(float), &value, sizeof(float));
     }
@@ -344,6 +377,7 @@ class Hdf5Reader {
   const Hdf5File& file_;
   const ReadOptions& options_;
   Hdf5Positions positions_;
+  Rows rows_;  // that are read
   Dataset& dataset_;
 };
 

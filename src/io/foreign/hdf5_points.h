@@ -13,9 +13,9 @@ bool has_hdf5_positions(const ByteSource& source);
 
 // Reads particles from the HDF5 file called source.name(): options.hdf5.positions, or what is
 // called like positions; options.hdf5.values, or what lies beside them and has as many rows
-// (docs/formats.md, "HDF5"). Positions are float32 or float64, arrays have the file's types. Peak
-// memory is that of the arrays and a chunk. Calls into the library are made one at a time. Throws
-// Error; kUnsupported in a build without HDF5.
+// (docs/formats.md, "HDF5"); options.share of the rows. Positions are float32 or float64, arrays
+// have the file's types. Peak memory is that of the arrays' rows and a chunk. Calls into the
+// library are made one at a time. Throws Error; kUnsupported in a build without HDF5.
 Dataset read_hdf5_points(const ByteSource& source, const ReadOptions& options);
 
 }  // namespace ovoid::io

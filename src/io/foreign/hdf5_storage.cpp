@@ -22,9 +22,9 @@ namespace {
 
 // How a dataset in chunks lies in the file.
 struct ChunkLayout {
-  std::int64_t num_rows = 1;   // of a chunk, along the slowest axis
-  std::int64_t num_bytes = 0;  // of a chunk, unpacked
-  double num_chunks = 1;       // sizes are checked one by one; their product may be anything
+  std::array<hsize_t, H5S_MAX_RANK> sizes{};  // of a chunk, along each axis
+  std::int64_t num_bytes = 0;                 // of a chunk, unpacked
+  double num_chunks = 1;  // sizes are checked one by one; their product may be anything
 };
 
 // Filters that may expand a file more than deflate does, or that others provide, are refused.
@@ -50,7 +50,7 @@ void check_filters(hid_t plist, const Hdf5Extent& extent) {
 
 ChunkLayout chunk_layout(hid_t plist, const Hdf5Extent& extent) {
   ChunkLayout layout;
-  std::array<hsize_t, H5S_MAX_RANK> chunk{};
+  auto& chunk = layout.sizes;
   if (H5Pget_chunk(plist, H5S_MAX_RANK, chunk.data()) != static_cast<int>(extent.dims.size()))
     fail_storage(extent, "its chunks have another number of axes");
   double num_bytes = static_cast<double>(extent.item_size());
@@ -63,7 +63,6 @@ ChunkLayout chunk_layout(hid_t plist, const Hdf5Extent& extent) {
     num_bytes *= static_cast<double>(size);
   }
   if (num_bytes > static_cast<double>(kMaxNumBytes)) fail_storage(extent, "has chunks without end");
-  layout.num_rows = static_cast<std::int64_t>(chunk[0]);
   layout.num_bytes = static_cast<std::int64_t>(num_bytes);
   check_filters(plist, extent);
   return layout;
@@ -145,19 +144,6 @@ std::optional<ChunkedStorage> chunked_storage(hid_t dataset, hid_t plist,
   return chunked;
 }
 
-// Rows that are read at once: whole chunks, so that each is unpacked once.
-std::int64_t rows_at_once(hid_t dataset, const Hdf5Extent& extent) {
-  const Hdf5Handle plist(H5Dget_create_plist(dataset), H5Pclose);
-  const H5D_layout_t kind = H5Pget_layout(plist.get());
-  const std::int64_t num_rows = extent.dims[0];
-  if (kind == H5D_COMPACT) return num_rows;
-  const std::int64_t unit =
-      kind == H5D_CHUNKED ? chunk_layout(plist.get(), extent).num_rows : std::int64_t{1};
-  const std::int64_t wanted =
-      ReadProgress::kChunk / std::max<std::int64_t>(1, extent.num_bytes() / num_rows);
-  return std::min(num_rows, std::max<std::int64_t>(1, wanted / unit) * unit);
-}
-
 }  // namespace
 
 std::optional<Hdf5Type> hdf5_type_of(hid_t type) {
@@ -216,6 +202,38 @@ void check_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, const ByteSourc
                                    extent.num_bytes(), layout.num_bytes, source.size()));
 }
 
+std::int64_t hdf5_run_at_once(hid_t dataset, const Hdf5Extent& extent, std::size_t axis) {
+  const Hdf5Handle plist(H5Dget_create_plist(dataset), H5Pclose);
+  const H5D_layout_t kind = H5Pget_layout(plist.get());
+  const std::int64_t size = extent.dims[axis];
+  if (kind == H5D_COMPACT) return size;
+  const std::int64_t unit =
+      kind == H5D_CHUNKED ? static_cast<std::int64_t>(chunk_layout(plist.get(), extent).sizes[axis])
+                          : std::int64_t{1};
+  const std::int64_t wanted =
+      ReadProgress::kChunk / std::max<std::int64_t>(1, extent.num_bytes() / size);
+  return std::min(size, std::max<std::int64_t>(1, wanted / unit) * unit);
+}
+
+void read_hdf5_columns(hid_t dataset, const Hdf5Extent& extent, std::int64_t first,
+                       std::span<std::byte> out, ReadProgress& progress) {
+  if (out.empty()) return;
+  const auto num_bytes = static_cast<std::int64_t>(out.size());
+  const std::array start{hsize_t{0}, static_cast<hsize_t>(first)};
+  const std::array count{static_cast<hsize_t>(extent.dims[0]),
+                         static_cast<hsize_t>(num_bytes / (extent.dims[0] * extent.item_size()))};
+  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);  // as it is: no conversion
+  const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
+  const Hdf5Handle memory(H5Screate_simple(2, count.data(), nullptr), H5Sclose);
+  if (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(),
+                          nullptr) < 0 ||
+      H5Dread(dataset, type.get(), memory.get(), space.get(), H5P_DEFAULT, out.data()) < 0)
+    fail_storage(extent, "cannot be read: is the file damaged?");
+  progress.advance(num_bytes);
+  if (extent.type.is_big_endian != (std::endian::native == std::endian::big))
+    swap_bytes(out, size_of(extent.type.type));
+}
+
 std::optional<StoredPlace> place_of_hdf5_storage(hid_t file, hid_t dataset,
                                                  const Hdf5Extent& extent) {
   // Addresses count from behind a block of the user's, by some versions of the library.
@@ -239,13 +257,13 @@ void read_hdf5_rows(hid_t dataset, const Hdf5Extent& extent, std::int64_t first,
                     std::span<std::byte> out, ReadProgress& progress) {
   const std::int64_t row_size = extent.num_bytes() / extent.dims[0];
   const std::int64_t num_rows = static_cast<std::int64_t>(out.size()) / row_size;
-  const std::int64_t step = rows_at_once(dataset, extent);
+  const std::int64_t step = hdf5_run_at_once(dataset, extent, 0);
   const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);  // as it is: no conversion
   std::array<hsize_t, Hdf5Extent::kMaxRank> start{}, count{};
   std::copy(extent.dims.begin(), extent.dims.end(), count.begin());
-  for (std::int64_t row = 0; row < num_rows; row += step) {
-    const std::int64_t num = std::min(step, num_rows - row);
+  for (std::int64_t row = 0, num = 0; row < num_rows; row += num) {
     const std::int64_t at = first + row;
+    num = std::min(step - at % step, num_rows - row);  // up to where chunks end
     start[0] = static_cast<hsize_t>(at);
     count[0] = static_cast<hsize_t>(num);
     const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);

@@ -60,6 +60,15 @@ std::optional<StoredPlace> place_of_hdf5_storage(hid_t file, hid_t dataset,
 void read_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, std::byte* to,
                        ReadProgress& progress);
 
+// How many numbers along an axis are read at once: some megabytes, and whole chunks, so that each
+// is unpacked once.
+std::int64_t hdf5_run_at_once(hid_t dataset, const Hdf5Extent& extent, std::size_t axis);
+
+// The same of the columns of a table of two axes, in one go: of each row those from `first` on, as
+// many as fill `out`.
+void read_hdf5_columns(hid_t dataset, const Hdf5Extent& extent, std::int64_t first,
+                       std::span<std::byte> out, ReadProgress& progress);
+
 // The same of the rows, along the slowest axis, from `first` on: as many as `out` takes.
 void read_hdf5_rows(hid_t dataset, const Hdf5Extent& extent, std::int64_t first,
                     std::span<std::byte> out, ReadProgress& progress);

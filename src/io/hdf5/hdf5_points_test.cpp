@@ -13,15 +13,20 @@
 
 #ifdef OVOID_IO_HDF5
 #include <hdf5.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <random>
+#include <utility>
 
 #include "fuzz/targets.h"
 #include "io/foreign/hdf5_file.h"
 #include "io/formats.h"
+#include "io/points/test_shares.h"
 #include "io/reader/reader_session.h"
 
 namespace ovoid::io {
@@ -170,6 +175,115 @@ TEST(Hdf5Points, PhantomMassesAndDensities) {
   const Dataset dataset = read_dataset({path});
   EXPECT_EQ(values_of<float>(dataset.array("mass")), (Floats{1, 2, 3}));
   EXPECT_EQ(values_of<float>(dataset.array("density")), (Floats{1, 2.0F / 8, 3.0F / 27}));
+}
+
+class Hdf5Shares : public testing::Test {
+ protected:
+  Dataset expect_all(ReadOptions options = {}) const {
+    options.session = std::make_shared<ReaderSession>(std::vector{path});
+    return expect_shares([this](const ReadOptions& own) { return read_dataset({path}, own); },
+                         options);
+  }
+
+  TestFolder folder;
+  std::string path = folder.file("a.h5");
+};
+
+TEST_F(Hdf5Shares, GadgetSnapshot) {
+  Hdf5Maker(path)
+      .group("/Header")
+      .attribute("/Header", "BoxSize", {30})
+      .attribute("/Header", "MassTable", {0.5, 0, 0, 0, 0, 0})
+      .group("/PartType0")
+      .floats("/PartType0/Coordinates", {10, 3}, {4, 3})
+      .floats("/PartType0/Density", {10})
+      .floats("/PartType0/Velocities", {10, 3}, {3, 2})
+      .group("/PartType1")
+      .floats("/PartType1/Coordinates", {2, 3});
+  const Dataset whole = expect_all();
+  EXPECT_TRUE(whole.periodic_box.has_value());
+  EXPECT_EQ(whole.arrays.size(), 3U);
+  ReadOptions options;
+  options.hdf5.positions = "/PartType1/Coordinates";
+  EXPECT_EQ(expect_all(options).num_positions(), 2);
+}
+
+// Fails if a share asks its own rows about the box: the last particle alone is outside.
+TEST_F(Hdf5Shares, OneParticleOutsideIsKnownToAll) {
+  const auto with_box = [&](double size) {
+    return std::move(Hdf5Maker(path).group("/Header").attribute("/Header", "BoxSize", {size}));
+  };
+  with_box(29).floats("/pos", {10, 3}, {4, 3});
+  EXPECT_FALSE(expect_all().periodic_box.has_value());
+  with_box(29).floats("/pos", {3, 10}, {2, 4});
+  EXPECT_FALSE(expect_all().periodic_box.has_value());
+  with_box(9).floats("/x", {10}).floats("/y", {10}, {3}).floats("/z", {10}).floats("/v", {10});
+  EXPECT_FALSE(expect_all().periodic_box.has_value());
+  with_box(10).floats("/x", {10}).floats("/y", {10}, {3}).floats("/z", {10}).floats("/v", {10});
+  EXPECT_TRUE(expect_all().periodic_box.has_value());
+}
+
+TEST_F(Hdf5Shares, PhantomMassesAndDensities) {
+  Hdf5Maker(path)
+      .group("/header")
+      .floats("/header/massoftype", {5})
+      .floats("/header/hfact", {1})
+      .group("/particles")
+      .floats("/particles/xyz", {5, 3})
+      .floats("/particles/itype", {5})
+      .floats("/particles/h", {5}, {2});
+  EXPECT_EQ(expect_all().arrays.size(), 4U);
+}
+
+TEST_F(Hdf5Shares, GridIsReadWhole) {
+  Hdf5Maker(path).floats("/v", {2, 3, 4});
+  ReadOptions options;
+  options.share = RowShare{1, 2};
+  const Dataset grid = read_dataset({path}, options);
+  EXPECT_EQ(grid.lattice.dims, (Index3{4, 3, 2}));
+  EXPECT_FALSE(grid.share.has_value());
+}
+
+// The most memory that this process's only child has held, in bytes.
+std::int64_t peak_of_child() {
+  const std::string parent = "\nPPid:\t" + std::to_string(::getpid()) + "\n";
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::ifstream stream(entry.path() / "status");
+    const std::string status{std::istreambuf_iterator<char>(stream), {}};
+    const std::size_t at = status.find("\nVmHWM:");
+    if (status.find(parent) != std::string::npos && at != std::string::npos)
+      return std::stoll(status.substr(at + 7)) * 1024;
+  }
+  return 0;
+}
+
+// Fails if the process that reads takes memory for other shares' rows, also where it looks at all
+// of them for the box.
+TEST_F(Hdf5Shares, OthersRowsTakeNoMemory) {
+  constexpr hsize_t kMany = 2000000;
+  constexpr std::int64_t kNumBytes = std::int64_t{kMany} * 4 * 4;
+  const auto peak = [&](const ReadOptions& asked) {
+    ReadOptions options = asked;
+    options.session = std::make_shared<ReaderSession>(std::vector{path});
+    const Dataset dataset = read_dataset({path}, options);
+    EXPECT_TRUE(dataset.periodic_box.has_value());
+    return peak_of_child();
+  };
+  for (const std::vector<hsize_t>& chunk : {std::vector<hsize_t>{}, {100000, 3}}) {
+    Hdf5Maker(path)
+        .group("/Header")
+        .attribute("/Header", "BoxSize", {static_cast<double>(3 * kMany)})
+        .floats("/pos", {kMany, 3}, chunk)
+        .floats("/v", {kMany});
+    ReadOptions options;
+    const std::int64_t of_whole = peak(options);
+    options.share = RowShare{3, 8};
+    const std::int64_t of_share = peak(options);
+    ASSERT_GT(of_whole, kNumBytes);
+    EXPECT_LT(of_share + kNumBytes, of_whole);
+    RecordProperty("peak_of_whole", std::to_string(of_whole));
+    RecordProperty("peak_of_share", std::to_string(of_share));
+  }
 }
 
 TEST(Hdf5Points, ErrorsListWhatThereIs) {

@@ -10,6 +10,7 @@
 
 #include "io/core/test_folder.h"
 #include "io/images/test_volumes.h"
+#include "io/points/test_shares.h"
 #include "ovoid/io.h"
 #include "ovoid/model.h"
 #include "ovoid/sampler.h"
@@ -268,6 +269,9 @@ TEST_F(VdbFiles, PointsAreParticles) {
     }
   }
   EXPECT_EQ(read("both.vdb").block, "density");
+  expect_shares([&](const ReadOptions& options) {
+    return read_dataset({folder.file("points.vdb")}, options);
+  });
 }
 
 // What is active moves, and at last there is nothing: the lattice is that of all steps, whatever

@@ -15,6 +15,7 @@
 #include "io/foreign/file_checks.h"
 #include "io/foreign/vtk_header.h"
 #include "io/images/test_volumes.h"
+#include "io/points/test_shares.h"
 #include "ovoid/io.h"
 
 namespace ovoid::io {
@@ -193,6 +194,8 @@ TEST_F(MeshFiles, LegacyMeshesOfEveryKind) {
       "0\nPOLYGONS 1 4\n3 0 1 2\nPOINT_DATA 3\nSCALARS v float\nLOOKUP_TABLE default\n1 2 3\n")});
   EXPECT_EQ(points.kind, DatasetKind::kParticles);
   EXPECT_EQ(points.num_positions(), 3);
+  expect_shares(
+      [&](const ReadOptions& options) { return read_dataset({folder.file("d.vtk")}, options); });
 }
 
 TEST_F(MeshFiles, LegacyListsOfCellsAreWalkedBeforeVtkDoes) {

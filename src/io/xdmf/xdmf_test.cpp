@@ -12,6 +12,7 @@
 #include "io/core/test_folder.h"
 #include "io/formats.h"
 #include "io/images/test_volumes.h"
+#include "io/points/test_shares.h"
 #include "io/read_source.h"
 #include "io/xdmf/test_xdmf.h"
 #include "ovoid/io.h"
@@ -211,6 +212,9 @@ TEST(Xdmf, PointsAreParticles) {
     EXPECT_EQ(points.kind, DatasetKind::kParticles) << topology;
     EXPECT_EQ(points.num_positions(), 9);
     EXPECT_EQ(values_of<float>(points.array("m")), counting<float>(9));
+    expect_shares([&](const ReadOptions& options) {
+      return read_xdmf_text(xdmf_file(xdmf_grid(topology + kXdmfNodes + values)), options);
+    });
   }
   const std::string plane = "<Geometry GeometryType=\"XY\">" +
                             xdmf_item("2 2", "1 2 3 4", "Precision=\"8\"") + "</Geometry>";

@@ -538,8 +538,7 @@ TEST(Hdf5Points, DamagedFiles) {
       .floats("/PartType0/Coordinates", {40, 3}, {8, 3})
       .floats("/PartType0/Density", {40});
   const std::string good = folder.read("a.h5");
-  ReadOptions options;
-  options.session = std::make_shared<ReaderSession>(std::vector{path});
+  const auto session = std::make_shared<ReaderSession>(std::vector{path});
   std::mt19937_64 random(20240229);
   int num_read = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -547,6 +546,9 @@ TEST(Hdf5Points, DamagedFiles) {
     for (std::size_t k = 1 + random() % 4; k > 0; --k)
       bytes[random() % bytes.size()] = static_cast<char>(random());
     if (i % 10 == 0) bytes.resize(random() % bytes.size());
+    ReadOptions options;
+    options.session = session;
+    if (i % 2 == 0) options.share = RowShare{i % 3, 3};
     folder.write("a.h5", bytes);
     fuzz::expect_dataset_or_error([&] {
       Dataset dataset = read_dataset({path}, options);

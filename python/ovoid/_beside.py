@@ -21,9 +21,13 @@ class Beside:
         settings, found = dict(settings), {}
         for setting, (ending, takes_several) in _SETTINGS.items():
             value = settings.get(setting)
+            if value is not None and not takes_several:
+                _refuse_several_names(setting, value)
             if value is None or is_path(value):
                 continue
             several = list(value) if takes_several and isinstance(value, (list, tuple)) else [value]
+            for i, one in enumerate(several):
+                _refuse_several_names(f"{setting}[{i}]", one)
             taken = {os.fspath(one) for one in several if is_path(one)}
             names = []
             for i, one in enumerate(several):
@@ -72,6 +76,11 @@ class Beside:
                                   "or ovoid.lattice(array, spacing=..., origin=...), which has a place of its own")
         space = own.space
         return data_of(array, affine=[*own.matrix, [0, 0, 0, 1]], space=None if space == "none" else space)
+
+
+def _refuse_several_names(setting, value):
+    if isinstance(value, (list, tuple)) and is_path(value):
+        raise InvalidArgument(f"{setting}: is a list of names, expected the name of a file or folder, or ovoid.read(names) of the slices of one volume")
 
 
 def _arrays_dims(array, name):

@@ -57,7 +57,12 @@ def settings(command="render"):
 
 
 def _is_sequence(value):
-    return not isinstance(value, (str, bytes, dict, os.PathLike)) and hasattr(value, "__iter__")
+    return not isinstance(value, (str, bytes, dict, os.PathLike)) and hasattr(value, "__iter__") and getattr(value, "ndim", 1) != 0
+
+
+def _depth(value, most=3):
+    """How many sequences stand in one another: 0 of one value."""
+    return 1 + max((_depth(one, most - 1) for one in value), default=0) if most and _is_sequence(value) else 0
 
 
 def _scalar(value):
@@ -90,8 +95,23 @@ def camera_path_text(value):
     return text if text.startswith("[") else f"[{text}]"
 
 
+def _of_label(value):
+    """What a label has; of a colour the form without commas, which stand between labels."""
+    if not _is_sequence(value):
+        return _scalar(value)
+    try:
+        parts = [float(part) for part in value]
+    except (TypeError, ValueError, OverflowError):
+        parts = []
+    if len(parts) != 3 or not all(0 <= part <= 1 for part in parts):
+        raise InvalidArgument(f"{value!r}: expected a colour: three numbers from 0 to 1, or text")
+    return "#" + "".join(f"{round(255 * part):02x}" for part in parts)
+
+
 def _text(value, form):
     """A value as the text that the program takes: tuples with the separators of the form."""
+    if isinstance(value, dict) and form.startswith("LABEL="):
+        return ",".join(f"{_scalar(label)}={_of_label(one)}" for label, one in value.items())
     if isinstance(value, dict) or (isinstance(value, (list, tuple)) and any(isinstance(one, dict) for one in value)):  # a look is a list
         return _json(value)
     if not _is_sequence(value):
@@ -104,6 +124,11 @@ def _text(value, form):
             part = (part.start, part.stop)
         parts.append(inner.join(_scalar(number) for number in part) if _is_sequence(part) else "" if part is None else _scalar(part))
     return outer.join(parts)
+
+
+def _depth_of(form):
+    """The same of one value of a form: 2 of pairs, 1 of several numbers."""
+    return 2 if re.match("[A-Z]+:", form) else 1 if "," in form or form in ("COLOR", "PLANE") else 0
 
 
 def _words_of(name, value, command):
@@ -119,8 +144,8 @@ def _words_of(name, value, command):
             return [f"--{flag}"] if value else []
         return [f"--{flag}={_text(value, form)}"]
     if kind == _REPEATABLE and _is_sequence(value):
-        values = list(value)
-        if any(isinstance(one, (str, os.PathLike)) or _is_sequence(one) for one in values):
+        values = [list(one) if _is_sequence(one) else one for one in value]
+        if any(isinstance(one, (str, os.PathLike)) for one in values) or _depth(values) > _depth_of(form) or not values:
             return [word for one in values for word in (f"--{flag}", _text(one, form))]
     return [f"--{flag}", _text(value, form)]
 

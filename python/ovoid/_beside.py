@@ -55,7 +55,8 @@ class Beside:
         if found is not None:
             return found
         if setting in ("add", "within"):
-            raise InvalidArgument(f"{setting} = {type(value).__name__}: expected a file, ovoid.mesh(...) or a mesh of another package")
+            raise InvalidArgument(f"{setting} = {type(value).__name__}: expected a file, ovoid.mesh(...)"
+                                  f"{', ovoid.particles(...)' if setting == 'add' else ''} or a mesh of another package")
         if _arrays.is_xarray(value):
             if any(axis in value.coords for axis in value.dims):
                 return data_of(value)

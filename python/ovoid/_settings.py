@@ -3,6 +3,7 @@
 that a flag takes. Which flags there are, and what form their values have, is the program's own table."""
 import functools
 import json
+import math
 import numbers
 import os
 import re
@@ -131,8 +132,17 @@ def _depth_of(form):
     return 2 if re.match("[A-Z]+:", form) else 1 if "," in form or form in ("COLOR", "PLANE") else 0
 
 
+def _check_file_names(name, value):
+    for one in value if isinstance(value, (list, tuple)) else [value]:
+        if not isinstance(one, (str, os.PathLike)):
+            other = ", or a place in the volume itself: over=ovoid.lattice(array, affine=...)" if name == "over_transform" else ""
+            raise InvalidArgument(f"{name}: is {type(one).__name__}, expected the name of a file{other}")
+
+
 def _words_of(name, value, command):
     flag, kind, form, _ = table(command)[name]
+    if form == "FILE":
+        _check_file_names(name, value)
     if kind == _TOGGLE:
         if not (isinstance(value, int) and value in (0, 1) or type(value).__name__ == "bool_"):  # numpy's
             raise InvalidArgument(f"{name} = {value!r}: expected True or False")
@@ -163,10 +173,23 @@ def _camera(cpos):
     return "camera", {"position": position, "focal_point": focal_point, "view_up": view_up}
 
 
+def _named_opacities(name):
+    """PyVista's opacities of a name, evenly spaced; the name itself if it is none of them."""
+    found = re.fullmatch("(linear|sigmoid(?:_(?P<steepness>[0-9]{1,2}))?)(?P<reversed>_r)?", name)
+    if not found:
+        return name
+    opacities = [0, 1]
+    if name.startswith("sigmoid"):
+        steepness = int(found["steepness"] or 10)
+        # Between 65 the curve is within 0.005 of straight up to a steepness of 20. It has 256 levels, so that it ends in 0.
+        opacities = [int(255 / (1 + math.exp(-steepness * i / 32))) / 255 for i in range(-32, 33)]
+    return opacities[::-1] if found["reversed"] else opacities
+
+
 def _opacities(opacity, span):
     """PyVista's opacities, named or evenly spaced over `span`, two values or what returns them, as pairs of value and opacity."""
-    if isinstance(opacity, str) and opacity in ("linear", "linear_r"):
-        opacity = [0, 1] if opacity == "linear" else [1, 0]
+    if isinstance(opacity, str):
+        opacity = _named_opacities(opacity)
     if not _is_sequence(opacity):
         return opacity
     opacity = list(opacity)

@@ -185,6 +185,9 @@ def test_a_scene_keeps_what_stays(array, labels):
     ({"labels": ["a.png", "b.png"]}, r"labels: is a list of names"),
     ({"labels": np.zeros((20, 24, 28), "u1"), "label_color": {3: (1, 2, 0)}}, r"\(1, 2, 0\): expected a colour"),
     ({"labels": np.zeros((20, 24, 28), "u1"), "label_color": {3: "reddish"}}, "label-color"),
+    ({"labels": np.zeros((20, 24, 28), "u1"), "label_table": {1: "liver"}}, "label_table: is dict, expected the name of a file"),
+    ({"over": np.zeros((20, 24, 28)), "over_transform": np.eye(4)}, r"over_transform: is ndarray, .*ovoid\.lattice\(array, affine"),
+    ({"over": np.zeros((20, 24, 28)), "over_transform": [[1, 0], [0, 1]]}, r"over_transform: is list, expected the name of a file"),
     ({"within": 3}, r"within = int: expected a file, ovoid\.mesh"),
 ])
 def test_what_cannot_stand_beside(array, settings, words):

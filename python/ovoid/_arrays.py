@@ -78,7 +78,8 @@ def numbers_of(data, name="data"):
             filled[mask] = np.nan
             return filled
         data = data.data
-    return np.asarray(np.asarray(data), dtype=target, order="C")
+    with np.errstate(all="ignore"):  # likewise
+        return np.asarray(np.asarray(data), dtype=target, order="C")
 
 
 def vector(value, name, expected):

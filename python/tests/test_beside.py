@@ -165,6 +165,19 @@ def test_a_mesh_without_values_stands_beside_others_alone(array):
         ovoid.render(mesh, **SMALL)
 
 
+@pytest.mark.parametrize("scale", [1e30, 1e100, 1e300])
+@pytest.mark.parametrize("setting", ["add", "within"])
+def test_corners_out_of_sight(array, setting, scale):
+    """So far away that their places in the picture are no numbers: they ended the process."""
+    points = np.array([[x, y, z] for z in (0, 19) for y, x in ((0, 0), (0, 27), (23, 27), (23, 0))], "f8")
+    points[[7, 5, 1]] *= np.array([[1, -1, 1], [1, 1, -1], [-1, 1, 1]]) * scale
+    points[2] *= scale
+    try:
+        ovoid.render(array, **{setting: ovoid.mesh(points, {"hexahedron": [range(8)]})}, **SMALL)
+    except ovoid.Error as error:
+        assert str(error)
+
+
 def test_a_scene_keeps_what_stays(array, labels):
     scene = ovoid.Scene(array, **SMALL)
     first = scene.render(labels=labels)

@@ -39,8 +39,8 @@ class TileLists {
   void assign(std::uint32_t count, const ExtentOf& extent_of) {
     const auto for_tiles = [&](std::uint32_t thing, const auto& visit) {
       const PictureExtent extent = extent_of(thing);
-      const bool touches = extent.right >= 0 && extent.bottom >= 0 && extent.left <= width_ &&
-                           extent.top <= height_;
+      const bool touches =
+          extent.right >= 0 && extent.bottom >= 0 && extent.left <= width_ && extent.top <= height_;
       if (!touches) return;
       const auto tile_at = [](double place, int num) {
         return static_cast<int>(std::clamp(std::floor(place / kTile), 0.0, num - 1.0));

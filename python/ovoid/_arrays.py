@@ -78,7 +78,8 @@ def numbers_of(data, name="data"):
             filled[mask] = np.nan
             return filled
         data = data.data
-    return np.asarray(np.asarray(data), dtype=target, order="C")
+    with np.errstate(all="ignore"):  # likewise
+        return np.asarray(np.asarray(data), dtype=target, order="C")
 
 
 def vector(value, name, expected):
@@ -153,7 +154,7 @@ def dims_of(shape, name):
     if len(shape) == 4 and shape[3] not in _COMPONENTS:
         raise InvalidArgument(
             f"{name}: has the shape {tuple(shape)}, whose last axis is not that of 1 to 4, 6 or 9 components: "
-            "expected (z, y, x) of one time step or channel, such as array[0]"
+            "expected (z, y, x) of one time step or channel, such as array[0], or channels last, by numpy.moveaxis(array, 0, -1)"
         )
     if len(shape) in (3, 4):
         return shape[2], shape[1], shape[0]

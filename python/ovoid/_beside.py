@@ -21,9 +21,13 @@ class Beside:
         settings, found = dict(settings), {}
         for setting, (ending, takes_several) in _SETTINGS.items():
             value = settings.get(setting)
+            if value is not None and not takes_several:
+                _refuse_several_names(setting, value)
             if value is None or is_path(value):
                 continue
             several = list(value) if takes_several and isinstance(value, (list, tuple)) else [value]
+            for i, one in enumerate(several):
+                _refuse_several_names(f"{setting}[{i}]", one)
             taken = {os.fspath(one) for one in several if is_path(one)}
             names = []
             for i, one in enumerate(several):
@@ -51,7 +55,8 @@ class Beside:
         if found is not None:
             return found
         if setting in ("add", "within"):
-            raise InvalidArgument(f"{setting} = {type(value).__name__}: expected a file, ovoid.mesh(...) or a mesh of another package")
+            raise InvalidArgument(f"{setting} = {type(value).__name__}: expected a file, ovoid.mesh(...)"
+                                  f"{', ovoid.particles(...)' if setting == 'add' else ''} or a mesh of another package")
         if _arrays.is_xarray(value):
             if any(axis in value.coords for axis in value.dims):
                 return data_of(value)
@@ -72,6 +77,11 @@ class Beside:
                                   "or ovoid.lattice(array, spacing=..., origin=...), which has a place of its own")
         space = own.space
         return data_of(array, affine=[*own.matrix, [0, 0, 0, 1]], space=None if space == "none" else space)
+
+
+def _refuse_several_names(setting, value):
+    if isinstance(value, (list, tuple)) and is_path(value):
+        raise InvalidArgument(f"{setting}: is a list of names, expected the name of a file or folder, or ovoid.read(names) of the slices of one volume")
 
 
 def _arrays_dims(array, name):

@@ -3,6 +3,7 @@
 that a flag takes. Which flags there are, and what form their values have, is the program's own table."""
 import functools
 import json
+import math
 import numbers
 import os
 import re
@@ -57,7 +58,12 @@ def settings(command="render"):
 
 
 def _is_sequence(value):
-    return not isinstance(value, (str, bytes, dict, os.PathLike)) and hasattr(value, "__iter__")
+    return not isinstance(value, (str, bytes, dict, os.PathLike)) and hasattr(value, "__iter__") and getattr(value, "ndim", 1) != 0
+
+
+def _depth(value, most=3):
+    """How many sequences stand in one another: 0 of one value."""
+    return 1 + max((_depth(one, most - 1) for one in value), default=0) if most and _is_sequence(value) else 0
 
 
 def _scalar(value):
@@ -90,8 +96,23 @@ def camera_path_text(value):
     return text if text.startswith("[") else f"[{text}]"
 
 
+def _of_label(value):
+    """What a label has; of a colour the form without commas, which stand between labels."""
+    if not _is_sequence(value):
+        return _scalar(value)
+    try:
+        parts = [float(part) for part in value]
+    except (TypeError, ValueError, OverflowError):
+        parts = []
+    if len(parts) != 3 or not all(0 <= part <= 1 for part in parts):
+        raise InvalidArgument(f"{value!r}: expected a colour: three numbers from 0 to 1, or text")
+    return "#" + "".join(f"{round(255 * part):02x}" for part in parts)
+
+
 def _text(value, form):
     """A value as the text that the program takes: tuples with the separators of the form."""
+    if isinstance(value, dict) and form.startswith("LABEL="):
+        return ",".join(f"{_scalar(label)}={_of_label(one)}" for label, one in value.items())
     if isinstance(value, dict) or (isinstance(value, (list, tuple)) and any(isinstance(one, dict) for one in value)):  # a look is a list
         return _json(value)
     if not _is_sequence(value):
@@ -106,8 +127,22 @@ def _text(value, form):
     return outer.join(parts)
 
 
+def _depth_of(form):
+    """The same of one value of a form: 2 of pairs, 1 of several numbers."""
+    return 2 if re.match("[A-Z]+:", form) else 1 if "," in form or form in ("COLOR", "PLANE") else 0
+
+
+def _check_file_names(name, value):
+    for one in value if isinstance(value, (list, tuple)) else [value]:
+        if not isinstance(one, (str, os.PathLike)):
+            other = ", or a place in the volume itself: over=ovoid.lattice(array, affine=...)" if name == "over_transform" else ""
+            raise InvalidArgument(f"{name}: is {type(one).__name__}, expected the name of a file{other}")
+
+
 def _words_of(name, value, command):
     flag, kind, form, _ = table(command)[name]
+    if form == "FILE":
+        _check_file_names(name, value)
     if kind == _TOGGLE:
         if not (isinstance(value, int) and value in (0, 1) or type(value).__name__ == "bool_"):  # numpy's
             raise InvalidArgument(f"{name} = {value!r}: expected True or False")
@@ -119,8 +154,8 @@ def _words_of(name, value, command):
             return [f"--{flag}"] if value else []
         return [f"--{flag}={_text(value, form)}"]
     if kind == _REPEATABLE and _is_sequence(value):
-        values = list(value)
-        if any(isinstance(one, (str, os.PathLike)) or _is_sequence(one) for one in values):
+        values = [list(one) if _is_sequence(one) else one for one in value]
+        if any(isinstance(one, (str, os.PathLike)) for one in values) or _depth(values) > _depth_of(form) or not values:
             return [word for one in values for word in (f"--{flag}", _text(one, form))]
     return [f"--{flag}", _text(value, form)]
 
@@ -138,10 +173,23 @@ def _camera(cpos):
     return "camera", {"position": position, "focal_point": focal_point, "view_up": view_up}
 
 
+def _named_opacities(name):
+    """PyVista's opacities of a name, evenly spaced; the name itself if it is none of them."""
+    found = re.fullmatch("(linear|sigmoid(?:_(?P<steepness>[0-9]{1,2}))?)(?P<reversed>_r)?", name)
+    if not found:
+        return name
+    opacities = [0, 1]
+    if name.startswith("sigmoid"):
+        steepness = int(found["steepness"] or 10)
+        # Between 65 the curve is within 0.005 of straight up to a steepness of 20. It has 256 levels, so that it ends in 0.
+        opacities = [int(255 / (1 + math.exp(-steepness * i / 32))) / 255 for i in range(-32, 33)]
+    return opacities[::-1] if found["reversed"] else opacities
+
+
 def _opacities(opacity, span):
     """PyVista's opacities, named or evenly spaced over `span`, two values or what returns them, as pairs of value and opacity."""
-    if isinstance(opacity, str) and opacity in ("linear", "linear_r"):
-        opacity = [0, 1] if opacity == "linear" else [1, 0]
+    if isinstance(opacity, str):
+        opacity = _named_opacities(opacity)
     if not _is_sequence(opacity):
         return opacity
     opacity = list(opacity)

@@ -180,3 +180,13 @@ print(status("VmHWM") - before)
     shared, copied = (int(subprocess.run([sys.executable, "-c", script, str(side), order], capture_output=True, text=True, check=True).stdout)
                       for order in "CF")
     assert copied - shared > 0.7 * side**3
+
+
+def test_a_row_of_samples_that_lies_askew():
+    """Wide pixels by the finest spacing, along which there is one sample alone. Fails under AddressSanitizer if places are looked at
+    that only wider kernels would reach."""
+    direction = [(-0.172, 1, 0), (0, -1, -0.18), (0, -0.5, 0)]
+    array = np.array([[515], [1025], [34560], [51727], [49374]], "u2")
+    settings = {"spacing": (1, 9, 9), "direction": direction, "size": (9, 7), "threads": 1}
+    drawn, expected = (ovoid.render(array, **settings, backend=backend).numpy().astype(int) for backend in ("cpu", "reference"))
+    assert abs(drawn - expected).max() <= 1

@@ -4,7 +4,7 @@ import numpy as np
 import ovoid
 import ovoid._view
 import pytest
-from conftest import SMALL, bumps
+from conftest import FLAGS, SMALL, bumps, drawn_by_program, png
 from test_states import stand_in
 
 PLACE = {"spacing": (0.5, 1, 2), "origin": (3, -4, 5)}
@@ -53,12 +53,48 @@ def test_labels_of_another_grid(tmp_path, scan_file, labels):
     assert (ovoid.render(scan_file, labels=ovoid.lattice(coarse, **place), **SMALL).numpy() == expected.numpy()).all()
 
 
+def test_labels_on_slices_in_colours_of_their_own(tmp_path, array, labels, scan_file):
+    ovoid.write(tmp_path / "labels.nrrd", labels.astype("u1"), **PLACE)
+    expected = drawn_by_program(scan_file, "--labels", str(tmp_path / "labels.nrrd"), "--slice", "z", "--slice", "1,0,0,9", "--slice-labels", "both", "--flat-labels",
+                                "--slice-outline=white", "--label-color", "3=#ff8000,7=lime", "--label-opacity", "3=0.5,others=1", *FLAGS)
+    picture = ovoid.render(array, **PLACE, labels=labels, slice=["z", (1, 0, 0, 9)], slice_labels="both", flat_labels=True, slice_outline="white",
+                           label_color={3: (1, 0.5, 0), 7: "lime"}, label_opacity={3: 0.5, "others": 1}, **SMALL)
+    assert png(picture) == expected
+    assert (picture.numpy() != ovoid.render(array, **PLACE, labels=labels, slice=["z", (1, 0, 0, 9)], slice_labels="none", flat_labels=True, **SMALL).numpy()).any()
+    drawn = picture.pick(*np.argwhere(np.isfinite(picture.depth))[0][::-1].tolist())
+    assert drawn["shows"]
+
+
+def test_the_scan_within_labels(tmp_path, array, labels, scan_file):
+    ovoid.write(tmp_path / "labels.nrrd", labels.astype("u1"), **PLACE)
+    expected = drawn_by_program(scan_file, "--labels", str(tmp_path / "labels.nrrd"), "--inside-labels", "3,7", *FLAGS)
+    assert png(ovoid.render(array, **PLACE, labels=labels, inside_labels=[3, 7], **SMALL)) == expected
+
+
+def test_channels_of_an_array(tmp_path):
+    """Components, or the fields of a structured array."""
+    first, second = bumps(), bumps()[:, ::-1]
+    ovoid.write(tmp_path / "both.nrrd", np.stack([first, second], axis=-1))
+    expected = drawn_by_program(tmp_path / "both.nrrd", "--channels", "1,0", "--channel-color", "red", "--channel-color", "0,0.5,1", "--channel-range", "20,150", *FLAGS)
+    look = {"channel_color": ["red", (0, 0.5, 1)], "channel_range": (20, 150), **SMALL}
+    assert png(ovoid.render(np.stack([first, second], axis=-1), channels=[1, 0], **look)) == expected
+    named = np.zeros(first.shape, [("nuclei", "u1"), ("membranes", "u1")])
+    named["nuclei"], named["membranes"] = first, second
+    assert png(ovoid.render(named, channels=["membranes", "nuclei"], **look)) == expected
+
+
 def test_volumes_over_one_another(tmp_path, array, scan_file):
     first, second = bumps()[::-1].copy(), bumps()[:, ::-1].copy()
     for name, values in (("first", first), ("second", second)):
         ovoid.write(tmp_path / f"{name}.nrrd", values, **PLACE)
     expected = ovoid.render(scan_file, over=[tmp_path / "first.nrrd", tmp_path / "second.nrrd"], over_colormap=["hot", "haline"], **SMALL)
     both = ovoid.render(array, **PLACE, over=[first, second], over_colormap=["hot", "haline"], **SMALL)
+    looks = {"over_opacity": [[(60, 0), (150, 0.4)], [(20, 0), (90, 0.2)]], "over_range": [(10, 150), (0, 90)]}
+    flags = ("--over-opacity", "60:0,150:0.4", "--over-opacity", "20:0,90:0.2", "--over-range", "10,150", "--over-range", "0,90")
+    files = [word for name in ("first", "second") for word in ("--over", str(tmp_path / f"{name}.nrrd"))]
+    assert png(ovoid.render(array, **PLACE, over=[first, second], **looks, **SMALL)) == drawn_by_program(scan_file, *files, *flags, *FLAGS)
+    one = ovoid.render(array, **PLACE, over=first, over_opacity=[(60, 0), (150, 0.4)], **SMALL)
+    assert png(one) == drawn_by_program(scan_file, *files[:2], "--over-opacity", "60:0,150:0.4", *FLAGS)
     mixed = ovoid.render(array, **PLACE, over=(tmp_path / "first.nrrd", second), over_colormap=["hot", "haline"], **SMALL)
     assert (both.numpy() == expected.numpy()).all() and (mixed.numpy() == expected.numpy()).all()
     assert "--over over.nrrd --over over-2.nrrd" in both.command
@@ -78,6 +114,19 @@ def test_surfaces_of_meshes(tmp_path, array, scan_file):
     for settings in ({"add_color": "#4682b4"}, {"add_array": "heat"}):
         expected = ovoid.render(scan_file, add=tmp_path / "mesh.vtu", **settings, **SMALL)
         assert (ovoid.render(array, **PLACE, add=mesh, **settings, **SMALL).numpy() == expected.numpy()).all()
+
+
+def test_meshes_beside_files(tmp_path, array, scan_file):
+    """A list for each of several settings."""
+    mesh = tetrahedron()
+    ovoid.write(tmp_path / "mesh.vtu", mesh)
+    (tmp_path / "lead.obj").write_text("v 4 0 10\nv 14 10 30\nl 1 2\n")
+    files = [arg for path in (tmp_path / "mesh.vtu", tmp_path / "lead.obj") for arg in ("--add", str(path))]
+    expected = drawn_by_program(scan_file, *files, "--add-opacity", "0.5", "--add-opacity", "0.75", "--add-radius", "1", "--add-radius", "0.5", "--add-color", "red",
+                                "--add-color", "0,1,0", *FLAGS)
+    picture = ovoid.render(array, **PLACE, add=[mesh, tmp_path / "lead.obj"], add_opacity=[0.5, 0.75], add_radius=np.array([1, 0.5]), add_color=["red", (0, 1, 0)], **SMALL)
+    assert png(picture) == expected
+    assert (ovoid.render(array, **PLACE, add=[], over=(), **SMALL).numpy() == ovoid.render(array, **PLACE, **SMALL).numpy()).all()
 
 
 def test_surfaces_of_other_packages(array):
@@ -116,6 +165,19 @@ def test_a_mesh_without_values_stands_beside_others_alone(array):
         ovoid.render(mesh, **SMALL)
 
 
+@pytest.mark.parametrize("scale", [1e30, 1e100, 1e300])
+@pytest.mark.parametrize("setting", ["add", "within"])
+def test_corners_out_of_sight(array, setting, scale):
+    """So far away that their places in the picture are no numbers: they ended the process."""
+    points = np.array([[x, y, z] for z in (0, 19) for y, x in ((0, 0), (0, 27), (23, 27), (23, 0))], "f8")
+    points[[7, 5, 1]] *= np.array([[1, -1, 1], [1, 1, -1], [-1, 1, 1]]) * scale
+    points[2] *= scale
+    try:
+        ovoid.render(array, **{setting: ovoid.mesh(points, {"hexahedron": [range(8)]})}, **SMALL)
+    except ovoid.Error as error:
+        assert str(error)
+
+
 def test_a_scene_keeps_what_stays(array, labels):
     scene = ovoid.Scene(array, **SMALL)
     first = scene.render(labels=labels)
@@ -132,6 +194,13 @@ def test_a_scene_keeps_what_stays(array, labels):
     ({"over": tetrahedron(point_data={"heat": np.arange(4.0)})}, "--over: is for lattices"),
     ({"add": np.zeros((20, 24, 28))}, r"add = ndarray: expected a file, ovoid\.mesh"),
     ({"add": ovoid.lattice(np.zeros((20, 24, 28)))}, "holds a lattice, expected a surface"),
+    ({"over": [["a.png", "b.png"], "c.nrrd"]}, r"over\[0\]: is a list of names, expected the name of a file or folder, or ovoid\.read\(names\)"),
+    ({"labels": ["a.png", "b.png"]}, r"labels: is a list of names"),
+    ({"labels": np.zeros((20, 24, 28), "u1"), "label_color": {3: (1, 2, 0)}}, r"\(1, 2, 0\): expected a colour"),
+    ({"labels": np.zeros((20, 24, 28), "u1"), "label_color": {3: "reddish"}}, "label-color"),
+    ({"labels": np.zeros((20, 24, 28), "u1"), "label_table": {1: "liver"}}, "label_table: is dict, expected the name of a file"),
+    ({"over": np.zeros((20, 24, 28)), "over_transform": np.eye(4)}, r"over_transform: is ndarray, .*ovoid\.lattice\(array, affine"),
+    ({"over": np.zeros((20, 24, 28)), "over_transform": [[1, 0], [0, 1]]}, r"over_transform: is list, expected the name of a file"),
     ({"within": 3}, r"within = int: expected a file, ovoid\.mesh"),
 ])
 def test_what_cannot_stand_beside(array, settings, words):

@@ -201,6 +201,85 @@ def test_anything(path, given):
     tried(picture.encode, ".jpg", path)
 
 
+CORNERS = np.array([[x, y, z] for z in (0, 6) for y, x in ((0, 0), (0, 8), (7, 8), (7, 0))], "f8")
+
+
+def mostly(usual, odd):
+    return st.integers(0, 5).flatmap(lambda which: odd if which == 5 else usual)
+
+
+kinds = st.sampled_from(["vertex", "line", "triangle", "quad", "tetra", "hexahedron", "wedge", "pyramid", "tetra10", "hexahedron20", "polygon", "poly_line"])
+node_numbers = st.one_of(st.integers(-1, 9), numbers)
+SIZES = {"vertex": 1, "line": 2, "triangle": 3, "quad": 4, "tetra": 4, "hexahedron": 8, "wedge": 6, "pyramid": 5, "tetra10": 10, "hexahedron20": 20}
+
+
+@st.composite
+def cells_of_kind(draw):
+    """Cells between eight nodes, most of them of the size that belongs to their kind."""
+    kind = draw(kinds)
+    size = SIZES.get(kind) or draw(st.integers(2, 6))
+    return kind, draw(st.lists(st.lists(draw(mostly(st.just(st.integers(0, 7)), st.just(node_numbers))), min_size=size, max_size=size), min_size=1, max_size=4))
+
+
+@st.composite
+def meshes(draw):
+    """Meshes of eight nodes that are flat, folded or without a place, or what `mesh` refuses: None."""
+    points = draw(mostly(st.sampled_from([CORNERS, CORNERS[::-1] * [1, 0, 1], np.random.default_rng(3).random((8, 3)) * 8]), arrays(st.sampled_from([(8, 3), (8, 2), (6, 3)]))))
+    some_cells = st.lists(cells_of_kind(), min_size=1, max_size=3)
+    cells = draw(mostly(st.one_of(some_cells, some_cells.map(dict)), values))
+    point_data = draw(mostly(st.just({"heat": np.arange(8.0)}), st.dictionaries(words, arrays(st.just((8,))), max_size=2)))
+    cell_data = draw(mostly(st.none(), st.dictionaries(words, arrays(st.sampled_from([(1,), (2,), (3,)])), max_size=1)))
+    return tried(ovoid.mesh, points, cells, point_data=point_data, cell_data=cell_data)
+
+
+@fuzzed(1, mesh=meshes(), within=meshes(), given=settings(2))
+def test_meshes(mesh, within, given):
+    if mesh is not None:
+        check(tried(ovoid.render, mesh, **{**given, **TINY}))
+    if within is not None:
+        check(tried(ovoid.render, DATA[0], within=within, add=within, **TINY))
+
+
+as_large = arrays(st.just((7, 8, 9)))  # as DATA[0]
+whole = st.builds(lambda dtype, shift: np.roll(DATA[1], shift).astype(dtype), st.sampled_from(["u1", "i8", "f4", "?", ">i2"]), st.integers(0, 99))
+elsewhere = st.builds(lambda array, spacing: tried(ovoid.lattice, array, spacing=spacing), arrays(st.sampled_from([(3, 4, 5), (7, 1, 3)])), mostly(st.just((2, 1, 0.5)), vectors))
+volumes = mostly(st.one_of(whole, as_large, elsewhere.filter(lambda volume: volume is not None)), st.one_of(arrays(), values))
+colors = st.one_of(st.sampled_from(["red", "#123456"]), st.tuples(*[st.floats(0, 1)] * 3))
+
+
+def of_labels(usual):
+    """By number or name."""
+    return mostly(st.dictionaries(st.one_of(st.integers(0, 4), st.just("others")), usual, max_size=3), st.one_of(words, st.dictionaries(words, values, max_size=2)))
+
+
+CUBE = ovoid.mesh(CORNERS, {"hexahedron": [range(8)]}, {"heat": np.arange(8.0)})
+placed = mostly(st.one_of(meshes().map(lambda mesh: mesh or CUBE), st.builds(lambda scale: ovoid.particles(CORNERS * scale), st.sampled_from([0, 0.5, 1, 1e30]))), st.one_of(arrays(), words))
+BESIDE = {
+    "labels": volumes, "over": st.one_of(volumes, st.lists(volumes, max_size=4)), "add": st.one_of(placed, st.lists(placed, min_size=1, max_size=3)), "within": placed,
+    "slice": st.one_of(st.sampled_from(["x", "axial=3", "coronal"]), st.lists(st.tuples(*[st.integers(-2, 9)] * 4), max_size=3), values), "slice_labels": st.sampled_from(["lines", "areas", "both", "none"]),
+    "flat_labels": st.booleans(), "slice_outline": st.booleans(), "label_color": of_labels(colors), "label_opacity": of_labels(st.floats(0, 1)), "inside_labels": st.one_of(st.integers(0, 4), st.lists(st.integers(0, 4), max_size=3)),
+    "over_opacity": st.one_of(GOOD["opacity"], st.lists(GOOD["opacity"], max_size=1)), "over_range": mostly(pairs, st.lists(pairs, max_size=3)), "over_transform": values,
+    "add_color": mostly(st.one_of(colors, st.lists(colors, max_size=3)), values), "add_opacity": st.one_of(st.floats(0, 1), st.lists(st.floats(0, 1), max_size=3)),
+    "add_radius": st.one_of(st.floats(0, 9), st.lists(st.floats(), max_size=3)), "add_array": st.sampled_from(["heat", ""]), "shadows": st.floats(0, 1),
+    "channels": st.sampled_from(["all", "rgb", [0, 1], "values"]), "mixing": st.sampled_from(["added", "averaged"]), "channel_range": st.one_of(pairs, st.lists(pairs, max_size=3)),
+}
+# What has no effect without another is drawn with it.
+NEEDS = {"slice_": "slice", "flat_labels": "slice", "label": "labels", "inside": "labels", "over_": "over", "add_": "add", "mixing": "over", "channel_": "channels"}
+
+
+@st.composite
+def beside(draw):
+    names = draw(st.lists(st.sampled_from(sorted(BESIDE)), min_size=1, max_size=4, unique=True))
+    needed = [whole for part, whole in NEEDS.items() for name in names if name.startswith(part) and name != whole]
+    return {name: draw(BESIDE[name]) for name in dict.fromkeys([*needed, *names])}
+
+
+@fuzzed(2, things=beside(), given=mostly(st.just({}), settings(1)), kind=mostly(st.just(0), st.integers(1, 3)))
+def test_beside(things, given, kind):
+    """Labels, further volumes, surfaces, planes and channels, with what belongs to them."""
+    check(tried(ovoid.render, DATA[kind], **{**given, **things, **TINY}))
+
+
 key_words = st.one_of(words, st.sampled_from(["frame", "time", "position", "focal_point", "view_up", "view_angle", "azimuth", "elevation", "roll", "zoom"]))
 good_keys = st.fixed_dictionaries({"frame": st.integers(0, 6)}, optional={
     "azimuth": st.floats(-1e6, 1e6), "elevation": st.floats(-200, 200), "roll": st.floats(-200, 200), "zoom": st.floats(1e-3, 1e3),

@@ -50,6 +50,11 @@ def test_opacities_spread_over_the_values(tmp_path, array):
     assert (ovoid.render(array, opacity=[0, 0.1, 0.8], **SMALL).numpy() == expected).all()
     within = ovoid.render(array, opacity=np.array([0, 0.8]), clim=np.array([20, 90]), **SMALL).numpy()
     assert (within == ovoid.render(array, opacity=[(20, 0), (90, 0.8)], clim=(20, 90), **SMALL).numpy()).all()
+    steep = [(20 + 70 * i / 64, int(255 / (1 + np.exp(-5 * (i - 32) / 32))) / 255) for i in range(65)]
+    curve = ovoid.render(array, opacity="sigmoid_5", clim=(20, 90), **SMALL)
+    assert (curve.numpy() == ovoid.render(array, opacity=steep, clim=(20, 90), **SMALL).numpy()).all()
+    falling = ovoid.render(array, opacity="sigmoid_5_r", clim=(20, 90), **SMALL).state["flags"]["opacity"].split(",")
+    assert [pair.split(":")[1] for pair in falling][::-1] == [pair.split(":")[1] for pair in curve.state["flags"]["opacity"].split(",")]
     path = tmp_path / "a.nrrd"
     ovoid.write(path, array)
     with pytest.raises(ovoid.InvalidArgument, match="spread over clim"):

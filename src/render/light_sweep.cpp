@@ -8,7 +8,8 @@
 //
 // The directions that are steepest along one axis share a copy of the volume with that axis as its
 // slices. They are dealt to a few hands, each of which has a sum of its own and adds its directions
-// in their order; the hands' sums are added in theirs: so the number of threads cannot be seen.
+// in their order; the hands' sums are added in theirs: so the number of threads cannot be seen. Of
+// fewer threads than hands so many work at once, since each has the memory of a volume.
 #include "render/light_sweep.h"
 
 #include <algorithm>
@@ -250,6 +251,7 @@ std::vector<float> mean_arriving_light(const ExtinctionLattice& lattice,
                                        int threads, const std::stop_token& stop) {
   const Mat3 cells_per_length = lattice.world_from_cell.linear().inverse();
   const float weight = 1.0F / static_cast<float>(towards_light.size());
+  const auto threads_at_most = static_cast<std::size_t>(data::resolve_threads(threads));
   std::vector<float> mean(lattice.extinction.size(), 0.0F);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::array<std::vector<Vec3>, kHands> dealt;
@@ -260,25 +262,32 @@ std::vector<float> mean_arriving_light(const ExtinctionLattice& lattice,
         dealt[next++ % kHands].push_back(in_cells);
     }
     if (next == 0) continue;
-    Reordered extinction(lattice.dims, kSweepAxes[axis]);
+    const SweepAxes& axes = kSweepAxes[axis];
+    Reordered extinction(lattice.dims, axes);
     for_each_cell(extinction, lattice.dims, [&](std::size_t to, std::size_t from) {
       extinction.values[to] = lattice.extinction[from];
     });
-    const CrossedSlices crossed(lattice.crossed, kSweepAxes[axis], extinction.slices);
+    const CrossedSlices crossed(lattice.crossed, axes, extinction.slices);
+    const std::size_t hands = std::min(next, kHands);
     std::vector<Reordered> sums;
-    for (std::size_t hand = 0; hand < std::min(next, kHands); ++hand)
-      sums.emplace_back(lattice.dims, kSweepAxes[axis]);
-    data::parallel_ranges({static_cast<std::int64_t>(sums.size()), 1, threads, stop},
-                          [&](std::int64_t hand, std::int64_t) {
-                            const auto h = static_cast<std::size_t>(hand);
-                            for (const Vec3& direction : dealt[h]) {
-                              if (stop.stop_requested()) return;
-                              Sweep(extinction, crossed, direction, way, weight, sums[h]).run();
-                            }
-                          });
-    for (const Reordered& sum : sums) {
-      for_each_cell(sum, lattice.dims,
-                    [&](std::size_t from, std::size_t to) { mean[to] += sum.values[from]; });
+    const std::size_t at_once = std::min(hands, threads_at_most);
+    sums.reserve(at_once);
+    while (sums.size() < at_once) sums.emplace_back(lattice.dims, axes);
+    for (std::size_t first = 0; first < hands; first += at_once) {
+      const std::size_t count = std::min(at_once, hands - first);
+      data::parallel_ranges({static_cast<std::int64_t>(count), 1, threads, stop},
+                            [&](std::int64_t hand, std::int64_t) {
+                              const auto h = static_cast<std::size_t>(hand);
+                              std::fill(sums[h].values.begin(), sums[h].values.end(), 0.0F);
+                              for (const Vec3& direction : dealt[first + h]) {
+                                if (stop.stop_requested()) return;
+                                Sweep(extinction, crossed, direction, way, weight, sums[h]).run();
+                              }
+                            });
+      for (std::size_t h = 0; h < count; ++h) {
+        for_each_cell(sums[h], lattice.dims,
+                      [&](std::size_t from, std::size_t to) { mean[to] += sums[h].values[from]; });
+      }
     }
   }
   return mean;

@@ -33,13 +33,15 @@ class TileLists {
   int tile_x(int tile) const noexcept { return tile % across_ * kTile; }
   int tile_y(int tile) const noexcept { return tile / across_ * kTile; }
 
-  // Lists each of `count` things in the tiles that extent_of(its number) touches.
+  // Lists each of `count` things in the tiles that extent_of(its number) touches; what is not a
+  // number touches none.
   template <class ExtentOf>
   void assign(std::uint32_t count, const ExtentOf& extent_of) {
     const auto for_tiles = [&](std::uint32_t thing, const auto& visit) {
       const PictureExtent extent = extent_of(thing);
-      if (extent.right < 0 || extent.bottom < 0 || extent.left > width_ || extent.top > height_)
-        return;
+      const bool touches =
+          extent.right >= 0 && extent.bottom >= 0 && extent.left <= width_ && extent.top <= height_;
+      if (!touches) return;
       const auto tile_at = [](double place, int num) {
         return static_cast<int>(std::clamp(std::floor(place / kTile), 0.0, num - 1.0));
       };

@@ -79,7 +79,8 @@ SurfaceRaster::Corner SurfaceRaster::corner_of(const Vec3& view) const {
 
 void SurfaceRaster::add_part(const Part& part) {
   const auto& [a, b, c] = part.corners;
-  if (side(a, b, c.x, c.y) != 0) parts_.push_back(part);
+  const double area = side(a, b, c.x, c.y);
+  if (area != 0 && std::isfinite(area)) parts_.push_back(part);
 }
 
 void SurfaceRaster::add_triangle(std::uint32_t number) {

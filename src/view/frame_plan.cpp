@@ -291,8 +291,9 @@ LatticePlan::LatticePlan(const LatticeField& field, const Camera& camera, const 
                          (4 * field.index_kernel().sigma);
   }
   faces = in_order(field.geometry().index_bounds(), order);
-  index_support =
-      in_order(support_of(field, greatest_widening, slab_reach(lattice, options)), order);
+  const double reach = slab_reach(lattice, options);
+  index_support = in_order(support_of(field, greatest_widening, reach), order);
+  narrow_support = in_order(support_of(field, 1.0, reach), order);
   set_sheets(index_support);
 }
 

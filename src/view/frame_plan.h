@@ -96,6 +96,7 @@ struct LatticePlan : FramePlan {
   // map has them in their own.
   AxisOrder order;
   Bounds3 index_support;     // positions (index space) where the field can be defined
+  Bounds3 narrow_support;    // the same on sheets that widen no kernel
   Bounds3 faces;             // of the lattice, index space
   double greatest_widening;  // of any kernel on any sheet; lattice sheets widen none
   RelevanceMap relevance;    // to be filled: one fill_layer() per layer, then finish()

@@ -49,6 +49,16 @@ TEST(FramePlan, WideningByAxis) {
   EXPECT_EQ(far.widening(3), Vec3(20, 10, 5));
 }
 
+// Fails if sheets that widen no kernel are given the room of those that do.
+TEST(FramePlan, NarrowSupport) {
+  const LatticeField field = stretched_field();
+  const LatticePlan plan(field, camera_of(field, true, 15), {}, test::picture(20, 20));
+  const Bounds3 narrow = support_of(field, 1.0, 0.0);
+  EXPECT_EQ(plan.narrow_support.min(), narrow.min());
+  EXPECT_EQ(plan.narrow_support.max(), narrow.max());
+  EXPECT_LT(plan.index_support.min().x(), narrow.min().x() - 1);
+}
+
 // Fails if perspective widening does not grow with depth, or a sheet's exceeds what was planned
 // for.
 TEST(FramePlan, WideningByDepth) {

@@ -418,12 +418,15 @@ inline CellColumns bin_cells(const Block& block, const BrickLookup& neighbours) 
   return columns;
 }
 
-inline Support support_of(const LatticeFrame& frame, const Region& region, const Bounds3& box) {
-  const Bounds3& defined = frame.lattice_plan->index_support;
+// Of a block without wide kernels no sample may lie where only wider ones reach: four taps there
+// are beyond its region.
+inline Support support_of(const LatticeFrame& frame, const Block& block, const Bounds3& box) {
+  const view::LatticePlan& plan = *frame.lattice_plan;
+  const Bounds3& defined = block.widens_kernels() ? plan.index_support : plan.narrow_support;
   Support support;
   for (int a = 0; a < 3; ++a) {
     // Rounding slack; the reconstruct stage decides exactly.
-    const auto origin = static_cast<double>(region.origin[a]);
+    const auto origin = static_cast<double>(block.region.origin[a]);
     support.first[a] = static_cast<float>(defined.min()[a] - origin - 1e-3);
     support.last[a] = static_cast<float>(defined.max()[a] - origin + 1e-3);
     support.lo[a] = hn::Set(d, support.first[a]);
@@ -485,7 +488,7 @@ inline bool bin_region(const LatticeFrame& frame, Block& block, const RowBits& w
   const view::RelevanceMap& map = frame.lattice_plan->relevance;
   const view::AxisOrder& order = frame.lattice_plan->order;
   const SampleLookup lookup{BrickLookup(map, map.words(), block.region.origin, order),
-                            support_of(frame, block.region, box)};
+                            support_of(frame, block, box)};
   if (frame.is_on_lattice) {
     const RowBits none{};
     BrickLayer layer;

@@ -6,6 +6,8 @@
 //              where no kernel exists; one such box of every sublattice
 #pragma once
 
+#include <algorithm>
+
 #include "render/cpu/block.h"
 #include "render/cpu/lattice_frame.h"
 #include "view/base_plane.h"
@@ -61,6 +63,14 @@ struct Block {
   SheetInLattice sheets[kMaxSheets];
   SampleBits bits;
   Region region;
+
+  // True if kernels are wider than their own on one of the sheets.
+  bool widens_kernels() const noexcept {
+    return std::any_of(sheets, sheets + place.num_sheets, [](const SheetInLattice& sheet) {
+      const float* w = sheet.widening;
+      return w[0] != 1.0F || w[1] != 1.0F || w[2] != 1.0F;
+    });
+  }
 };
 
 // Samples of a plane: those from (x0, y0) to before (x1, y1).

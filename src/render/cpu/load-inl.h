@@ -283,12 +283,7 @@ inline bool region_misses(const BrickSource& source, const Index3& lo, const Ind
 // May this block take the four-tap way of reconstruction? Decided before loading, which stores the
 // region accordingly.
 inline bool can_use_four_taps(const LatticeFrame& frame, const Block& block) {
-  if (!frame.has_four_taps || block.region.has_missing) return false;
-  for (int s = 0; s < block.place.num_sheets; ++s) {
-    const float* m = block.sheets[s].widening;
-    if (m[0] != 1.0F || m[1] != 1.0F || m[2] != 1.0F) return false;
-  }
-  return true;
+  return frame.has_four_taps && !block.region.has_missing && !block.widens_kernels();
 }
 
 // Behind every row, and behind the last.

@@ -93,7 +93,7 @@ inline void drop_outside(const LatticeFrame& frame, Block& nodes, const Bounds3&
   const bool keeps_bound = frame.nodes_keep_bound;
   for (int s = 0; s < nodes.place.num_sheets; ++s) {
     const Support support = keeps_bound ? whole_support(frame, nodes.region, nodes.sheets[s])
-                                        : support_of(frame, nodes.region, box);
+                                        : support_of(frame, nodes, box);
     for (int y = 0; y < nodes.place.rows; ++y) {
       RowWord inside = 0;
       for (int column = 0; column < nodes.place.columns; column += group_size())

@@ -65,6 +65,7 @@ struct KernelAttribute {
 struct KernelBrick {
   Vec3 origin = Vec3::Zero();  // world
   Bounds3 support;             // world: box around the supports (radius `cutoff`) of its kernels
+  Bounds3 cells;               // world: box around its kernels of one sigma
   float least_sigma = 0;       // the smallest semi-axis of any kernel in it, world units
   float greatest_sigma = 0;    // the largest
   std::int32_t count = 0;      // kernels, 1 to kMaxBrickKernels
@@ -137,7 +138,7 @@ struct KernelColumns {
 };
 
 // Kernels in memory, in bricks along a Morton curve, those of similar size together. At most 24
-// bytes per ball and 48 per ellipsoid with one attribute, beside the bricks (less than a byte per
+// bytes per ball and 48 per ellipsoid with one attribute, beside the bricks (about a byte per
 // kernel unless kernels are far apart compared with their size). Throws Error(kInvalidArgument)
 // that names column and index: no kernels, wrong lengths, centres or values that are not finite,
 // sigmas or weights that are not positive, a factor whose diagonal is not positive. Cost: a sort;

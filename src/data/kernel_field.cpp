@@ -55,17 +55,7 @@ TypicalSigmas typical_sigmas(const KernelSource& source) {
 // Half a spacing beyond the centres: for lattice-like kernels, half a spacing is sigma.
 Bounds3 bounds_of_cells(const KernelSource& source) {
   Bounds3 bounds;
-  for (std::int64_t b = 0; b < source.num_bricks(); ++b) {
-    // A brick's box is wider than its centres' by the reach of kernels of nearly one size.
-    const KernelBrick& brick = source.brick(b);
-    const KernelView view = source.acquire(b, 0.0);
-    for (std::int32_t i = 0; i < view.count; ++i) {
-      const auto numbers = data::shape_numbers(view, source.shape(), i);
-      const Vec3 at = brick.origin + data::offset_of(view, i);
-      const Vec3 reach = data::factor_of(source.shape(), numbers.data()).rowwise().norm();
-      bounds.extend(Bounds3(at - reach, at + reach));
-    }
-  }
+  for (std::int64_t b = 0; b < source.num_bricks(); ++b) bounds.extend(source.brick(b).cells);
   return bounds;
 }
 

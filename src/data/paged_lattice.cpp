@@ -40,8 +40,8 @@ PagedLattice::PagedLattice(const LatticeGeometry& geometry, ScalarType type,
   pages_along_y_ = (geometry_.dims[1] + kPageEdge - 1) / kPageEdge;
   const std::int64_t page_bytes =
       geometry_.dims[0] * kPageEdge * kPageEdge * static_cast<std::int64_t>(size_of(type_));
-  most_pages_ = static_cast<std::size_t>(
-      std::max<std::int64_t>(samples_->memory_for_pages() / page_bytes, 2));
+  pages_.emplace(static_cast<std::size_t>(
+      std::max<std::int64_t>(samples_->memory_for_pages() / page_bytes, 2)));
   ranges_.resize(static_cast<std::size_t>(num_samples(num_bricks_)));
   data::visit_scalar(type_, [&]<class T>(std::type_identity<T>) {
     if constexpr (std::is_same_v<T, float> || (std::is_integral_v<T> && sizeof(T) <= 2))
@@ -115,43 +115,22 @@ void PagedLattice::read_rows(const PageBox& box, std::byte* to) const {
     samples_->read((z * geometry_.dims[1] + box.y0) * row, {to, static_cast<std::size_t>(count)});
 }
 
-// The page, kept or new; the longest unused goes.
-std::shared_ptr<PagedLattice::Page> PagedLattice::keep_page(std::int64_t number) const {
-  const std::scoped_lock lock(mutex_);
-  const auto place = places_.find(number);
-  if (place != places_.end()) {
-    pages_.splice(pages_.begin(), pages_, place->second);
-    return pages_.front().page;
-  }
-  if (pages_.size() >= most_pages_) {
-    places_.erase(pages_.back().number);
-    pages_.pop_back();
-  }
-  pages_.push_front({number, std::make_shared<Page>()});
-  places_.emplace(number, pages_.begin());
-  return pages_.front().page;
-}
-
 BrickView PagedLattice::acquire(std::int64_t /*bx*/, std::int64_t by, std::int64_t bz,
                                 double /*time*/) const {
   constexpr std::int64_t kBricks = kPageEdge / kBrickEdge;
   const std::int64_t number = by / kBricks + pages_along_y_ * (bz / kBricks);
   const PageBox box = box_of(number);
   const std::int64_t rows = box.y1 - box.y0;
-  std::shared_ptr<Page> page = keep_page(number);
-  {
-    const std::scoped_lock lock(page->mutex);
-    if (page->samples == nullptr) {
-      // From operator new: aligned for every type.
-      std::unique_ptr<std::byte[]> samples(
-          new std::byte[static_cast<std::size_t>(geometry_.dims[0] * rows * (box.z1 - box.z0)) *
-                        size_of(type_)]);
-      read_rows(box, samples.get());
-      page->samples = std::move(samples);
-    }
-  }
+  std::shared_ptr<const Page> page = pages_->get(number, [&] {
+    // From operator new: aligned for every type.
+    Page samples(
+        new std::byte[static_cast<std::size_t>(geometry_.dims[0] * rows * (box.z1 - box.z0)) *
+                      size_of(type_)]);
+    read_rows(box, samples.get());
+    return samples;
+  });
   BrickView view;
-  view.data = page->samples.get();
+  view.data = page->get();
   view.type = type_;
   view.lo = {0, box.y0, box.z0};
   view.hi = {geometry_.dims[0], box.y1, box.z1};
@@ -162,9 +141,8 @@ BrickView PagedLattice::acquire(std::int64_t /*bx*/, std::int64_t by, std::int64
 }
 
 std::size_t PagedLattice::resident_bytes() const noexcept {
-  const std::scoped_lock lock(mutex_);
   return ranges_.size() * sizeof(ValueRange) + missing_.size() +
-         pages_.size() * static_cast<std::size_t>(geometry_.dims[0]) * kPageEdge * kPageEdge *
+         pages_->count() * static_cast<std::size_t>(geometry_.dims[0]) * kPageEdge * kPageEdge *
              size_of(type_);
 }
 

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <list>
 #include <memory>
-#include <mutex>
-#include <unordered_map>
+#include <optional>
 #include <vector>
 
+#include "data/page_cache.h"
 #include "data/resident_lattice.h"
 #include "ovoid/dataset.h"
 #include "ovoid/field.h"
@@ -41,14 +40,7 @@ class PagedLattice final : public BrickSource {
   std::size_t resident_bytes() const noexcept override;
 
  private:
-  struct Page {
-    std::mutex mutex;                      // held while it is read
-    std::unique_ptr<std::byte[]> samples;  // null: not read yet
-  };
-  struct Kept {
-    std::int64_t number;
-    std::shared_ptr<Page> page;
-  };
+  using Page = std::unique_ptr<std::byte[]>;  // samples
 
   std::size_t brick_index(std::int64_t bx, std::int64_t by, std::int64_t bz) const noexcept;
   template <class T>
@@ -58,7 +50,6 @@ class PagedLattice final : public BrickSource {
     std::int64_t y0, y1, z0, z1;
   };
   PageBox box_of(std::int64_t number) const noexcept;
-  std::shared_ptr<Page> keep_page(std::int64_t number) const;
   void read_rows(const PageBox& box, std::byte* to) const;
 
   LatticeGeometry geometry_;
@@ -69,11 +60,7 @@ class PagedLattice final : public BrickSource {
   std::vector<ValueRange> ranges_;     // values, of all bricks
   std::vector<std::uint8_t> missing_;  // of all bricks; empty if no sample is
   std::int64_t pages_along_y_ = 1;
-  std::size_t most_pages_ = 1;
-
-  mutable std::mutex mutex_;       // of what follows
-  mutable std::list<Kept> pages_;  // the last used first
-  mutable std::unordered_map<std::int64_t, std::list<Kept>::iterator> places_;
+  mutable std::optional<data::PageCache<Page>> pages_;
 };
 
 }  // namespace ovoid

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kernels in memory. They are sorted by size class, then along a Morton curve within the class, and
-// cut into bricks at the nodes of the octree that the curve follows. Kernels of one brick are so of
-// similar size, their offsets from its origin keep their digits even where radii span eight
-// decades, and a brick's box is not blown up by one large kernel.
+// Kernels in memory, in bricks.
+#include "data/resident_kernels.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
+#include "data/kernel_bricks.h"
 #include "data/kernel_shape.h"
-#include "data/morton.h"
 #include "data/parallel.h"
 #include "ovoid/error.h"
 #include "ovoid/kernel_field.h"
@@ -20,24 +18,10 @@ namespace ovoid {
 namespace {
 
 constexpr std::int64_t kGrain = 16384;
-constexpr int kClassOctaves = 2;  // sizes within a factor 4 share a class
-
-// Extent of a brick's centres, in least sigmas, up to which float offsets stay within
-// kMaxOffsetError: half an ulp is 2^-24 of an offset's binade, and offsets are at most the extent.
-const double kMaxExtent = KernelBrick::kMaxOffsetError * std::ldexp(1.0, 24);
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorCode::kInvalidArgument, message);
 }
-
-struct Extent {
-  float least = 0, greatest = 0;  // sigmas
-};
-
-struct SortItem {
-  std::uint64_t key;
-  std::uint32_t index;
-};
 
 void check_lengths(const KernelColumns& columns, std::size_t count) {
   if (count == 0) refuse("centers: empty, expected at least one kernel");
@@ -98,7 +82,8 @@ void check_kernel(const KernelColumns& columns, std::size_t i) {
 
 class ResidentKernels final : public KernelSource {
  public:
-  ResidentKernels(const KernelColumns& columns, int threads)
+  ResidentKernels(const KernelColumns& columns, std::span<const data::KernelGroup> groups,
+                  int threads)
       : shape_(columns.shape),
         profile_(columns.profile),
         cutoff_(columns.cutoff),
@@ -106,11 +91,13 @@ class ResidentKernels final : public KernelSource {
         threads_(threads) {
     count_ = columns.centers.size() / 3;
     check_lengths(columns, count_);
-    measure(columns);
-    sort_into_bricks(columns);
-    fill(columns);
-    extents_ = {};
-    items_ = {};
+    const std::vector<data::KernelExtent> extents = measure(columns);
+    const data::BrickOrder order = data::order_in_bricks(columns.centers, extents, threads, groups);
+    firsts_ = order.firsts;
+    bricks_.resize(firsts_.size());
+    for (std::size_t b = 0; b < bricks_.size(); ++b)
+      bricks_[b].count = static_cast<std::int32_t>(order.count_of(b));
+    fill(columns, extents, order.kernels);
   }
 
   KernelShape shape() const noexcept override { return shape_; }
@@ -147,139 +134,34 @@ class ResidentKernels final : public KernelSource {
 
  private:
   // Checks every kernel, and finds the sizes.
-  void measure(const KernelColumns& columns) {
+  std::vector<data::KernelExtent> measure(const KernelColumns& columns) const {
     const auto per_kernel = static_cast<std::size_t>(num_shape_numbers(shape_));
     const bool has_own_shapes = columns.shapes.size() > per_kernel || count_ == 1;
     check_kernel(columns, 0);
-    const auto extent_of = [&](std::size_t i) -> Extent {
+    const auto extent_of = [&](std::size_t i) -> data::KernelExtent {
       const Vec3 axes = data::semi_axes(shape_, columns.shapes.data() + per_kernel * i);
       return {static_cast<float>(axes[0]), static_cast<float>(axes[2])};
     };
-    const Extent shared = extent_of(0);
-    extents_.resize(count_);
+    const data::KernelExtent shared = extent_of(0);
+    std::vector<data::KernelExtent> extents(count_);
     data::parallel_ranges({static_cast<std::int64_t>(count_), kGrain, threads_},
                           [&](std::int64_t begin, std::int64_t end) {
                             for (std::int64_t i = begin; i < end; ++i) {
                               const auto at = static_cast<std::size_t>(i);
                               check_kernel(columns, at);
-                              extents_[at] = has_own_shapes ? extent_of(at) : shared;
+                              extents[at] = has_own_shapes ? extent_of(at) : shared;
                             }
                           });
-    const auto [least, greatest] = std::minmax_element(
-        extents_.begin(), extents_.end(),
-        [](const Extent& a, const Extent& b) { return a.greatest < b.greatest; });
-    least_class_ = class_of(least->greatest);
-    num_classes_ = class_of(greatest->greatest) - least_class_ + 1;
+    return extents;
   }
-
-  static int class_of(float sigma) noexcept { return std::ilogb(sigma) / kClassOctaves; }
 
   Vec3 center(const KernelColumns& columns, std::uint32_t i) const {
     const double* c = columns.centers.data() + std::size_t{3} * i;
     return {c[0], c[1], c[2]};
   }
 
-  void sort_into_bricks(const KernelColumns& columns) {
-    items_.resize(count_);
-    std::vector<std::size_t> starts(static_cast<std::size_t>(num_classes_) + 1, 0);
-    const auto class_at = [&](std::size_t i) {
-      return static_cast<std::size_t>(class_of(extents_[i].greatest) - least_class_);
-    };
-    for (std::size_t i = 0; i < count_; ++i) ++starts[class_at(i) + 1];
-    std::partial_sum(starts.begin(), starts.end(), starts.begin());
-    std::vector<std::size_t> next(starts.begin(), starts.end() - 1);
-    for (std::size_t i = 0; i < count_; ++i)
-      items_[next[class_at(i)]++] = {0, static_cast<std::uint32_t>(i)};
-    for (std::size_t c = 0; c + 1 < starts.size(); ++c)
-      sort_range(columns, starts[c], starts[c + 1]);
-  }
-
-  // Sorts [begin, end) along a Morton curve through its own bounding cube and cuts it into bricks.
-  void sort_range(const KernelColumns& columns, std::size_t begin, std::size_t end) {
-    if (begin == end) return;
-    Bounds3 box;
-    for (std::size_t i = begin; i < end; ++i) box.extend(center(columns, items_[i].index));
-    const double edge = box.sizes().maxCoeff();
-    if (end - begin == 1 || !(edge > 0) || !std::isfinite(edge)) {
-      cut_evenly(begin, end);
-      return;
-    }
-    const double scale = std::ldexp(1.0, data::kMortonBits) / edge * (1 - 1e-12);
-    const Vec3 low = box.min();
-    data::parallel_ranges({static_cast<std::int64_t>(end - begin), kGrain, threads_},
-                          [&](std::int64_t from, std::int64_t to) {
-                            for (std::int64_t i = from; i < to; ++i) {
-                              SortItem& item = items_[begin + static_cast<std::size_t>(i)];
-                              const Vec3 at = (center(columns, item.index) - low) * scale;
-                              item.key = data::morton_key(at);
-                            }
-                          });
-    // The index decides between equals, so that the order is one.
-    std::sort(items_.begin() + static_cast<std::ptrdiff_t>(begin),
-              items_.begin() + static_cast<std::ptrdiff_t>(end),
-              [](const SortItem& a, const SortItem& b) {
-                return a.key != b.key ? a.key < b.key : a.index < b.index;
-              });
-    cut_node(columns, begin, end, 3 * data::kMortonBits);
-  }
-
-  bool fits_a_brick(const KernelColumns& columns, std::size_t begin, std::size_t end) const {
-    if (end - begin > KernelBrick::kMaxBrickKernels) return false;
-    Bounds3 box;
-    float least = std::numeric_limits<float>::infinity();
-    for (std::size_t i = begin; i < end; ++i) {
-      box.extend(center(columns, items_[i].index));
-      least = std::min(least, extents_[items_[i].index].least);
-    }
-    return box.sizes().maxCoeff() <= kMaxExtent * static_cast<double>(least);
-  }
-
-  // An octree node: the items [begin, end), equal in all key bits from `bits` up.
-  void cut_node(const KernelColumns& columns, std::size_t begin, std::size_t end, int bits) {
-    if (begin == end) return;
-    if (fits_a_brick(columns, begin, end)) {
-      add_brick(begin, end);
-      return;
-    }
-    if (bits == 0) {  // a cluster below the curve's resolution gets a curve of its own
-      sort_range(columns, begin, end);
-      return;
-    }
-    const int below = bits - 3;
-    std::size_t first = begin;  // of the children that wait to share a brick
-    std::size_t from = begin;
-    for (std::uint64_t child = 0; child < 8; ++child) {
-      const std::size_t to = static_cast<std::size_t>(
-          std::partition_point(
-              items_.begin() + static_cast<std::ptrdiff_t>(from),
-              items_.begin() + static_cast<std::ptrdiff_t>(end),
-              [&](const SortItem& item) { return (item.key >> below & 7U) <= child; }) -
-          items_.begin());
-      if (!fits_a_brick(columns, first, to)) {
-        if (first < from) add_brick(first, from);
-        first = from;
-        if (!fits_a_brick(columns, from, to)) {
-          cut_node(columns, from, to, below);
-          first = to;
-        }
-      }
-      from = to;
-    }
-    if (first < end) add_brick(first, end);
-  }
-
-  // Kernels at one place, or so far apart that their distance is beyond a double.
-  void cut_evenly(std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; i += KernelBrick::kMaxBrickKernels)
-      add_brick(i, std::min<std::size_t>(end, i + KernelBrick::kMaxBrickKernels));
-  }
-
-  void add_brick(std::size_t begin, std::size_t end) {
-    firsts_.push_back(begin);
-    bricks_.emplace_back().count = static_cast<std::int32_t>(end - begin);
-  }
-
-  void fill(const KernelColumns& columns) {
+  void fill(const KernelColumns& columns, std::span<const data::KernelExtent> extents,
+            std::span<const std::uint32_t> order) {
     const auto per_kernel = static_cast<std::size_t>(num_shape_numbers(shape_));
     for (auto& column : centers_) column.resize(count_);
     if (columns.shapes.size() > per_kernel) {
@@ -295,7 +177,7 @@ class ResidentKernels final : public KernelSource {
     data::parallel_ranges({static_cast<std::int64_t>(bricks_.size()), 64, threads_},
                           [&](std::int64_t begin, std::int64_t end) {
                             for (std::int64_t b = begin; b < end; ++b)
-                              fill_brick(columns, static_cast<std::size_t>(b));
+                              fill_brick(columns, extents, order, static_cast<std::size_t>(b));
                           });
     for (std::size_t a = 0; a < attributes_.size(); ++a) {
       attributes_[a].range = columns.ranges.empty() ? ValueRange{} : columns.ranges[a];
@@ -312,18 +194,19 @@ class ResidentKernels final : public KernelSource {
     }
   }
 
-  void fill_brick(const KernelColumns& columns, std::size_t b) {
+  void fill_brick(const KernelColumns& columns, std::span<const data::KernelExtent> extents,
+                  std::span<const std::uint32_t> order, std::size_t b) {
     KernelBrick& brick = bricks_[b];
     const std::size_t first = firsts_[b];
     const auto per_kernel = static_cast<std::size_t>(num_shape_numbers(shape_));
     Bounds3 box;
     for (std::int32_t i = 0; i < brick.count; ++i)
-      box.extend(center(columns, items_[first + static_cast<std::size_t>(i)].index));
+      box.extend(center(columns, order[first + static_cast<std::size_t>(i)]));
     brick.origin = box.center();
     brick.least_sigma = std::numeric_limits<float>::infinity();
     for (std::int32_t i = 0; i < brick.count; ++i) {
       const std::size_t to = first + static_cast<std::size_t>(i);
-      const std::uint32_t from = items_[to].index;
+      const std::uint32_t from = order[to];
       const Vec3 at = center(columns, from);
       for (std::size_t a = 0; a < 3; ++a)
         centers_[a][to] =
@@ -337,10 +220,12 @@ class ResidentKernels final : public KernelSource {
         merge(brick.ranges[a], {values_[a][to], values_[a][to]});
       }
       // An ellipsoid reaches sqrt(S_aa) sigmas along axis a: the length of the factor's row.
-      const Vec3 reach = data::factor_of(shape_, numbers).rowwise().norm() * cutoff_;
-      brick.support.extend(Bounds3(at - reach, at + reach));
-      brick.least_sigma = std::min(brick.least_sigma, extents_[from].least);
-      brick.greatest_sigma = std::max(brick.greatest_sigma, extents_[from].greatest);
+      const Vec3 sigmas = data::factor_of(shape_, numbers).rowwise().norm();
+      brick.support.extend(Bounds3(at - sigmas * cutoff_, at + sigmas * cutoff_));
+      const Vec3 stored = brick.origin + Vec3(centers_[0][to], centers_[1][to], centers_[2][to]);
+      brick.cells.extend(Bounds3(stored - sigmas, stored + sigmas));
+      brick.least_sigma = std::min(brick.least_sigma, extents[from].least);
+      brick.greatest_sigma = std::max(brick.greatest_sigma, extents[from].greatest);
     }
   }
 
@@ -350,9 +235,6 @@ class ResidentKernels final : public KernelSource {
   std::vector<KernelAttribute> attributes_;
   int threads_;
   std::size_t count_ = 0;
-  int least_class_ = 0, num_classes_ = 1;
-  std::vector<Extent> extents_;  // while sorting
-  std::vector<SortItem> items_;  // while sorting
   std::vector<KernelBrick> bricks_;
   std::vector<std::size_t> firsts_;
   std::array<std::vector<float>, 3> centers_;
@@ -365,8 +247,18 @@ class ResidentKernels final : public KernelSource {
 
 }  // namespace
 
+namespace data {
+
+std::shared_ptr<const KernelSource> resident_kernels(const KernelColumns& columns,
+                                                     std::span<const KernelGroup> groups,
+                                                     int threads) {
+  return std::make_shared<ResidentKernels>(columns, groups, threads);
+}
+
+}  // namespace data
+
 std::shared_ptr<const KernelSource> make_kernel_source(const KernelColumns& columns, int threads) {
-  return std::make_shared<ResidentKernels>(columns, threads);
+  return data::resident_kernels(columns, {}, threads);
 }
 
 }  // namespace ovoid

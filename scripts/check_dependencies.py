@@ -13,7 +13,7 @@ from sources import project_files, read_text
 
 # Which part stands behind each public header. A new header needs a line here.
 PUBLIC = {
-    "error.h": "data", "export.h": "data", "version.h": "data", "math.h": "data", "lattice.h": "data", "lattice_levels.h": "data", "lattice_boxes.h": "data", "kernels.h": "data", "kernel_field.h": "data", "field.h": "data", "surface.h": "data", "dataset.h": "data", "series.h": "data", "relevant.h": "data",
+    "error.h": "data", "export.h": "data", "version.h": "data", "math.h": "data", "lattice.h": "data", "lattice_levels.h": "data", "lattice_boxes.h": "data", "kernels.h": "data", "kernel_field.h": "data", "kernel_team.h": "data", "field.h": "data", "surface.h": "data", "dataset.h": "data", "series.h": "data", "relevant.h": "data",
     "model.h": "model", "resample.h": "model", "slices.h": "model", "hyperslice.h": "model", "coarse.h": "model",
     "labels.h": "labels",
     "fit.h": "fit", "simplify.h": "fit",

@@ -182,6 +182,9 @@ struct Cells {
 struct DatasetShare {
   std::int64_t first = 0;
   std::int64_t total = 0;
+  // The array of the whole that is drawn where none is named, once it is agreed upon
+  // (agree_on_array()); empty: not yet.
+  std::string array{};
 };
 
 // What a file says, before any choice of kernels: one lattice, mesh or set of points with its
@@ -222,7 +225,7 @@ struct Dataset {
   // numbers of nodes, cells, blocks and particles (GlobalNodeId, ParticleIDs and their like), and
   // the shapes of stored kernels. Throws Error(kInvalidArgument) naming the arrays that exist. Cost
   // of the default: one pass over the arrays looked at. Of a share the default depends on the rows
-  // that it holds: who puts shares together names the array.
+  // that it holds, unless shares have agreed upon one (agree_on_array()).
   const DataArray& array(const std::string& name = {}) const&;
   DataArray array(const std::string& name = {}) const&& { return array(name); }  // of a temporary
 };

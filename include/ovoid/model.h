@@ -19,6 +19,8 @@
 
 namespace OVOID_API ovoid {
 
+class KernelTeam;  // ovoid/kernel_team.h
+
 class StepSource;  // ovoid/series.h
 
 // How a dataset's array becomes a field.
@@ -130,6 +132,30 @@ struct KernelModelReport {
 // array and index. kCancelled. Cost: for meshes some microseconds per node.
 KernelField make_kernel_field(const Dataset& dataset, const KernelModelOptions& options = {},
                               KernelModelReport* report = nullptr, std::stop_token stop = {});
+
+// make_kernel_field() of a dataset of which each process has a share (ReadOptions::share; all
+// shares, in the order of the processes' numbers): the same field in all of them, with the bricks
+// that one process alone would make. Each process keeps about as many kernels as the others; those
+// of other bricks it fetches when they are acquired, and keeps the last used ones. Of the report,
+// counts are those of all. Particles, with sizes from a file or from their neighbours
+// (can_be_shared()), and stored kernels. Throws what make_kernel_field() throws, in the process
+// that finds it, what the team throws in others; Error(kUnsupported) for other datasets and
+// options. Memory: the share's kernels twice while they are sorted; then its kernels, about a
+// byte for each kernel of all (their bricks), and what it has fetched. Cost:
+// every kernel is sent once or twice; particles near the edge of a share are looked for in others.
+struct TeamFieldOptions {
+  KernelModelOptions kernels{};
+  // Of the kernels that it has fetched, as many bytes are kept; 0: as its own take, at least
+  // 64 MiB.
+  std::int64_t kept_bytes = 0;
+};
+KernelField make_team_field(const Dataset& share, const TeamFieldOptions& options,
+                            const std::shared_ptr<KernelTeam>& team,
+                            KernelModelReport* report = nullptr, std::stop_token stop = {});
+
+// Whether such kernels can be made of shares: not of particles drawn out by their neighbours
+// (anisotropic), nor by Voronoi cells.
+bool can_be_shared(const KernelModelOptions& options) noexcept;
 
 // Of lattices the one, of everything else the other.
 struct FieldModelOptions {

@@ -28,6 +28,7 @@
 #include "ovoid/image.h"
 #include "ovoid/io.h"
 #include "ovoid/kernel_field.h"
+#include "ovoid/kernel_team.h"
 #include "ovoid/kernels.h"
 #include "ovoid/label_style.h"
 #include "ovoid/labels.h"

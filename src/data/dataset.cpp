@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "data/bookkeeping.h"
+#include "data/default_array.h"
 #include "data/names_text.h"
 #include "data/varies.h"
 #include "ovoid/error.h"
@@ -67,27 +67,8 @@ const DataArray& Dataset::array(const std::string& name) const& {
     throw Error(ErrorCode::kInvalidArgument, fmt::format("'{}': has no arrays", source));
   }
   if (name.empty()) {
-    const auto find = [&](const auto& is_wanted) {
-      return std::find_if(arrays.begin(), arrays.end(), [&](const DataArray& candidate) {
-        return !data::is_bookkeeping(*this, candidate) && is_wanted(candidate);
-      });
-    };
-    auto found = find([this](const DataArray& a) {
-      return kind != DatasetKind::kLattice && kind != DatasetKind::kMesh && data::is_density(a) &&
-             data::varies(a);
-    });
-    if (found == arrays.end()) {
-      found = find([this](const DataArray& a) {
-        return !a.is_cell_data && data::varies(a) &&
-               !(kind == DatasetKind::kParticles && data::is_part_of_vector(*this, a));
-      });
-    }
-    if (found == arrays.end())
-      found = find([](const DataArray& a) { return !a.is_cell_data && data::varies(a); });
-    if (found == arrays.end())
-      found = find([](const DataArray& a) { return a.is_cell_data && data::varies(a); });
-    if (found == arrays.end()) found = find([](const DataArray&) { return true; });
-    return found != arrays.end() ? *found : arrays.front();
+    if (share && !share->array.empty()) return array(share->array);
+    return *data::default_array(*this, data::varies);
   }
   const auto found = std::find_if(arrays.begin(), arrays.end(),
                                   [&](const DataArray& a) { return a.name == name; });

@@ -12,6 +12,8 @@
 #include "data/parallel.h"
 #include "data/some_kernels.h"
 #include "model/kernel_parts.h"
+#include "model/team_bricks.h"
+#include "model/team_run.h"
 #include "ovoid/error.h"
 #include "ovoid/model.h"
 
@@ -45,7 +47,8 @@ void check_options(const KernelModelOptions& options) {
 }
 
 model::KernelParts parts_of(const model::ModelRun& run) {
-  if (run.dataset.kind != DatasetKind::kLattice && run.dataset.num_positions() < 1)
+  if (run.dataset.kind != DatasetKind::kLattice &&
+      model::total_of(run, run.dataset.num_positions()) < 1)
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("'{}': has no positions", run.dataset.source));
   switch (run.dataset.kind) {
@@ -64,7 +67,8 @@ model::KernelParts parts_of(const model::ModelRun& run) {
               fmt::format("'{}': is a lattice; make_lattice_field() takes it", run.dataset.source));
 }
 
-KernelField field_of_parts(const model::ModelRun& run, model::KernelParts parts) {
+std::shared_ptr<const KernelSource> source_of_parts(const model::ModelRun& run,
+                                                    const model::KernelParts& parts) {
   KernelColumns columns;
   columns.shape = parts.shape;
   columns.profile = parts.profile;
@@ -75,11 +79,7 @@ KernelField field_of_parts(const model::ModelRun& run, model::KernelParts parts)
   for (const std::vector<float>& column : parts.values) columns.values.push_back(column);
   columns.attributes = parts.attributes;
   columns.ranges = parts.ranges;
-  auto source = make_kernel_source(columns, run.threads);
-  const Reconstruction reconstruction = parts.reconstruction;
-  parts = {};
-  const int color = source->attributes().size() > 1 ? 1 : -1;
-  return {std::move(source), reconstruction, 0, color};
+  return make_kernel_source(columns, run.threads);
 }
 
 std::array<double, 5> quantiles(std::vector<double> numbers) {
@@ -163,16 +163,21 @@ void note_on_counts(const Dataset& dataset, KernelModelReport& report) {
 
 }  // namespace
 
-KernelField make_kernel_field(const Dataset& dataset, const KernelModelOptions& options,
-                              KernelModelReport* report, std::stop_token stop) {
-  check_options(options);
-  KernelModelReport own;
-  const model::ModelRun run = {dataset, options, own, data::resolve_threads(options.threads),
-                               std::move(stop)};
+namespace {
+
+// `source_of(parts)`: their kernels in bricks.
+template <class SourceOf>
+KernelField modelled(const model::ModelRun& run, const SourceOf& source_of,
+                     KernelModelReport* report) {
+  const Dataset& dataset = run.dataset;
+  KernelModelReport& own = run.report;
   try {
     model::KernelParts parts = parts_of(run);
-    own.is_normalized = parts.reconstruction == Reconstruction::kNormalized;
-    KernelField field = field_of_parts(run, std::move(parts));
+    const Reconstruction reconstruction = parts.reconstruction;
+    own.is_normalized = reconstruction == Reconstruction::kNormalized;
+    auto source = source_of(std::move(parts));
+    const int color = source->attributes().size() > 1 ? 1 : -1;
+    KernelField field(std::move(source), reconstruction, 0, color);
     own.num_kernels = field.num_kernels();
     own.resident_bytes = field.source().resident_bytes();
     if (report == nullptr) return field;
@@ -185,6 +190,49 @@ KernelField make_kernel_field(const Dataset& dataset, const KernelModelOptions& 
                 fmt::format("'{}': no memory for the kernels of {} positions", dataset.source,
                             dataset.num_positions()));
   }
+}
+
+}  // namespace
+
+KernelField make_kernel_field(const Dataset& dataset, const KernelModelOptions& options,
+                              KernelModelReport* report, std::stop_token stop) {
+  check_options(options);
+  KernelModelReport own;
+  const model::ModelRun run = {dataset, options, own, data::resolve_threads(options.threads),
+                               std::move(stop)};
+  return modelled(
+      run, [&](model::KernelParts parts) { return source_of_parts(run, parts); }, report);
+}
+
+KernelField make_team_field(const Dataset& share, const TeamFieldOptions& options,
+                            const std::shared_ptr<KernelTeam>& team, KernelModelReport* report,
+                            std::stop_token stop) {
+  check_options(options.kernels);
+  if (!share.share)
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("'{}': was read whole, expected a share of it", share.source));
+  if (!can_be_shared(options.kernels))
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("'{}': kernels drawn out by their neighbours, and those of Voronoi "
+                            "cells, are not made of shares",
+                            share.source));
+  KernelModelReport own;
+  const model::ModelRun run = {
+      share, options.kernels, own, data::resolve_threads(options.kernels.threads), std::move(stop),
+      team};
+  return modelled(
+      run,
+      [&](model::KernelParts parts) {
+        for (std::int64_t* const count : {&own.num_sites, &own.num_missing, &own.num_misplaced,
+                                          &own.num_merged, &own.num_copies, &own.num_degenerate})
+          *count = model::total_of(run, *count);
+        return model::share_in_bricks(run, std::move(parts), options.kept_bytes);
+      },
+      report);
+}
+
+bool can_be_shared(const KernelModelOptions& options) noexcept {
+  return !options.anisotropic && options.neighborhood != Neighborhood::kVoronoi;
 }
 
 }  // namespace ovoid

@@ -62,7 +62,8 @@ std::vector<double> load_tuples(const DataArray& array, std::int64_t expected, i
 
 std::vector<double> load_positions(const ModelRun& run) {
   const DataArray& array = run.dataset.positions;
-  if (array.num_tuples < 1) refuse_input(fmt::format("'{}': has no positions", run.dataset.source));
+  if (array.num_tuples < 1 && run.team == nullptr)
+    refuse_input(fmt::format("'{}': has no positions", run.dataset.source));
   if (array.num_tuples >= std::numeric_limits<std::uint32_t>::max())
     refuse_input(fmt::format("'{}': {} positions, must be fewer than {}", run.dataset.source,
                              array.num_tuples, std::numeric_limits<std::uint32_t>::max()));

@@ -4,12 +4,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "ovoid/dataset.h"
+#include "ovoid/kernel_team.h"
 #include "ovoid/model.h"
 
 namespace ovoid::model {
@@ -21,6 +23,7 @@ struct ModelRun {
   KernelModelReport& report;
   int threads = 1;
   std::stop_token stop{};
+  std::shared_ptr<KernelTeam> team{};  // with others, each of a share of the dataset; null: alone
 };
 
 // Kernels site by site; becomes KernelColumns. A column of shapes or weights may hold one for all.

@@ -15,6 +15,8 @@
 #include "model/heaps.h"
 #include "model/kernel_parts.h"
 #include "model/particle_lengths.h"
+#include "model/team_run.h"
+#include "model/team_sites.h"
 #include "model/voronoi_sites.h"
 #include "ovoid/error.h"
 #include "ovoid/kernel_field.h"
@@ -68,9 +70,12 @@ ParticleRoles find_roles(const ModelRun& run) {
   return roles;
 }
 
-[[noreturn]] void refuse_particle(const DataArray& array, std::size_t index, float value) {
+[[noreturn]] void refuse_particle(const ModelRun& run, const DataArray& array, std::size_t index,
+                                  float value) {
+  const std::int64_t first = run.dataset.share ? run.dataset.share->first : 0;
   throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("{}[{}] = {}: must be > 0", array.name, index, value));
+              fmt::format("{}[{}] = {}: must be > 0", array.name,
+                          first + static_cast<std::int64_t>(index), value));
 }
 
 // Phantom marks particles that a sink has accreted by h < 0.
@@ -83,6 +88,8 @@ struct ParticleSites {
   std::vector<double> centers;         // [n, 3]
   std::vector<std::uint32_t> sources;  // index in the dataset
   std::optional<Bounds3> periodic_box;
+  std::int64_t num_all = 0;           // of a team's, all processes'; else their own
+  std::vector<std::uint64_t> orders;  // of a team's: numbers among all of them, rising
 
   std::size_t count() const noexcept { return sources.size(); }
 };
@@ -91,16 +98,17 @@ struct ParticleSites {
 struct ParticleColumns {
   SiteValues values;
   std::vector<float> radius, mass, density;
+  bool have_volumes = false;  // mass over density
 };
 
 ParticleColumns load_particle_columns(const ModelRun& run, const ParticleRoles& roles) {
   const std::int64_t count = run.dataset.num_positions();
   ParticleColumns columns;
   if (roles.radius != nullptr) columns.radius = load_column(run, *roles.radius, count, "particles");
-  const bool needs_volume = !roles.is_density && roles.mass != nullptr && roles.density != nullptr;
-  if (roles.mass != nullptr && (roles.is_density || needs_volume))
+  columns.have_volumes = !roles.is_density && roles.mass != nullptr && roles.density != nullptr;
+  if (roles.mass != nullptr && (roles.is_density || columns.have_volumes))
     columns.mass = load_column(run, *roles.mass, count, "particles");
-  if (needs_volume) columns.density = load_column(run, *roles.density, count, "particles");
+  if (columns.have_volumes) columns.density = load_column(run, *roles.density, count, "particles");
   if (!roles.is_density) {
     columns.values = load_values(run, choose_arrays(run), count, "particles");
     return columns;
@@ -108,7 +116,7 @@ ParticleColumns load_particle_columns(const ModelRun& run, const ParticleRoles& 
   run.report.array = run.report.color_array = "density";
   columns.values.columns.push_back(std::move(columns.mass));
   columns.mass = {};
-  if (columns.values.columns[0].empty())
+  if (roles.mass == nullptr)
     columns.values.columns[0].assign(static_cast<std::size_t>(count),
                                      static_cast<float>(run.options.mass.value_or(1)));
   columns.values.attributes.push_back({"density", "", {}});
@@ -139,7 +147,14 @@ bool is_alive(const ModelRun& run, const ParticleRoles& roles, const ParticleCol
   const float radius = columns.radius[i];
   if (radius > 0 && std::isfinite(radius)) return true;
   if (radius < 0 && marks_dead_particles(run.dataset)) return false;
-  refuse_particle(*roles.radius, i, radius);
+  refuse_particle(run, *roles.radius, i, radius);
+}
+
+void check_volume(const ModelRun& run, const ParticleRoles& roles, const ParticleColumns& columns,
+                  std::size_t i) {
+  if (!columns.have_volumes) return;
+  if (!(columns.mass[i] > 0)) refuse_particle(run, *roles.mass, i, columns.mass[i]);
+  if (!(columns.density[i] > 0)) refuse_particle(run, *roles.density, i, columns.density[i]);
 }
 
 ParticleSites choose_particles(const ModelRun& run, const ParticleRoles& roles,
@@ -162,17 +177,20 @@ ParticleSites choose_particles(const ModelRun& run, const ParticleRoles& roles,
     } else if (!columns.values.is_finite(i)) {
       ++run.report.num_missing;
     } else {
+      check_volume(run, roles, columns, i);
       if (sites.periodic_box) at = wrapped(at, *sites.periodic_box);
       for (std::size_t a = 0; a < 3; ++a) all[3 * kept.size() + a] = at[static_cast<int>(a)];
       kept.push_back(static_cast<std::uint32_t>(i));
     }
   }
   all.resize(3 * kept.size());
+  num_dead = total_of(run, num_dead);
   if (num_dead > 0)
     run.report.notes.push_back(fmt::format(
         "{} particles are accreted ('{}' < 0) and make no kernel", num_dead, roles.radius->name));
   run.report.num_sites = static_cast<std::int64_t>(count);
-  if (kept.empty())
+  sites.num_all = total_of(run, static_cast<std::int64_t>(kept.size()));
+  if (sites.num_all == 0)
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("'{}': no kernel: of {} particles, {} have no finite value of '{}' and "
                             "{} no finite position",
@@ -181,6 +199,37 @@ ParticleSites choose_particles(const ModelRun& run, const ParticleRoles& roles,
   sites.centers = std::move(all);
   sites.sources = std::move(kept);
   return sites;
+}
+
+// Brings the particles of a team to the processes whose part of space they are in, with what else
+// is known of them.
+void share_out(const ModelRun& run, ParticleSites& sites, ParticleColumns& columns) {
+  SiteRows rows;
+  std::uint64_t order = 0;  // of the first that is kept here
+  const std::vector<std::uint64_t> counts =
+      joined(run, std::vector<std::uint64_t>{sites.sources.size()});
+  for (int p = 0; p < run.team->number(); ++p) order += counts[static_cast<std::size_t>(p)];
+  rows.orders.resize(sites.count());
+  std::iota(rows.orders.begin(), rows.orders.end(), order);
+  rows.centers = std::move(sites.centers);
+  std::vector<std::vector<float>*> all = {&columns.radius, &columns.mass, &columns.density};
+  for (std::vector<float>& column : columns.values.columns) all.push_back(&column);
+  // What is there of these is so for all processes, but may have no rows.
+  const std::size_t num_rows = sites.count();
+  std::vector<std::vector<float>*> moved;
+  for (std::vector<float>* const column : all) {
+    if (greatest_of(run, static_cast<std::int64_t>(column->size())) == 0) continue;
+    moved.push_back(column);
+    std::vector<float>& kept = rows.columns.emplace_back(num_rows);
+    for (std::size_t i = 0; i < num_rows; ++i) kept[i] = (*column)[sites.sources[i]];
+    *column = {};
+  }
+  rows = share_by_place(run, std::move(rows));
+  for (std::size_t c = 0; c < moved.size(); ++c) *moved[c] = std::move(rows.columns[c]);
+  sites.centers = std::move(rows.centers);
+  sites.orders = std::move(rows.orders);
+  sites.sources.resize(sites.orders.size());
+  std::iota(sites.sources.begin(), sites.sources.end(), 0U);
 }
 
 // The factor of a ball of `sigma` drawn out as its neighbours lie, of the same volume.
@@ -195,18 +244,22 @@ Mat3 drawn_out(const float* covariance, double sigma) {
 // Smoothing lengths into sigmas or factors. Returns the sites that have so many at their own place
 // that their neighbours tell no length: their shapes follow from the place alone.
 std::vector<std::uint32_t> make_shapes(const ModelRun& run, const ParticleSites& sites,
-                                       const ParticleColumns& columns, KernelParts& parts) {
+                                       const ParticleRoles& roles, const ParticleColumns& columns,
+                                       KernelParts& parts) {
   const KernelModelOptions& options = run.options;
   parts.profile = options.profile;
   parts.cutoff = options.cutoff.value_or(kParticleCutoff);
-  const bool needs_search = columns.radius.empty() || options.anisotropic;
+  const bool has_radii = roles.radius != nullptr;
   NearestStatistics nearest;
-  if (needs_search)
+  if (run.team != nullptr && !has_radii) {
+    nearest.lengths = team_lengths(run, sites.centers, sites.num_all, sites.periodic_box);
+  } else if (!has_radii || options.anisotropic) {
     nearest =
         nearest_statistics(run, sites.centers, sites.periodic_box,
                            options.anisotropic ? WithCovariances::kYes : WithCovariances::kNo);
+  }
   std::vector<std::uint32_t> heaped;
-  if (columns.radius.empty()) {
+  if (!has_radii) {
     for (std::uint32_t i = 0; i < sites.count(); ++i) {
       if (!(nearest.lengths[i] > 0)) heaped.push_back(i);
     }
@@ -241,7 +294,7 @@ double volume_of_shape(const KernelParts& parts, std::size_t i) {
 
 // Densities: v w = m / integral. The two share it so that neither leaves float32's range where
 // lengths are in centimetres of a galaxy.
-void weigh_densities(KernelParts& parts) {
+void weigh_densities(const ModelRun& run, KernelParts& parts) {
   const double integral = profile_integral(parts.profile, parts.cutoff);
   double least = std::numeric_limits<double>::infinity(), greatest = 0;
   for (std::size_t i = 0; i < parts.count(); ++i) {
@@ -249,6 +302,8 @@ void weigh_densities(KernelParts& parts) {
     least = std::min(least, weight);
     greatest = std::max(greatest, weight);
   }
+  least = least_of(run, least);
+  greatest = greatest_of(run, greatest);
   double unit = 1;
   if (least < 1e-30 || greatest > 1e30)
     unit = std::exp2(std::round(-0.5 * (std::log2(least) + std::log2(greatest))));
@@ -261,20 +316,42 @@ void weigh_densities(KernelParts& parts) {
   }
 }
 
+// Some sites, evenly among all.
+struct SizedSite {
+  Vec3 at;
+  double sigma;
+};
+
+std::vector<SizedSite> some_sites(const ModelRun& run, const ParticleSites& sites,
+                                  const KernelParts& parts) {
+  constexpr std::int64_t kMost = 64;
+  const std::int64_t wanted = std::min(kMost, sites.num_all);
+  std::vector<SizedSite> own;
+  for (std::int64_t s = 0; s < wanted; ++s) {
+    const auto order = static_cast<std::uint64_t>((2 * s + 1) * sites.num_all / (2 * wanted));
+    std::size_t i = order;
+    if (run.team != nullptr) {
+      const auto found = std::lower_bound(sites.orders.begin(), sites.orders.end(), order);
+      if (found == sites.orders.end() || *found != order) continue;
+      i = static_cast<std::size_t>(found - sites.orders.begin());
+    }
+    own.push_back({parts.center(i), std::cbrt(volume_of_shape(parts, i))});
+  }
+  return joined(run, std::move(own));
+}
+
 // Median over some sites of the sum of all kernels as large as the site's own. Brute force, which
 // for so few is cheaper than a tree.
-double median_sum(const ModelRun& run, const KernelParts& parts) {
-  constexpr std::size_t kMostSamples = 64;
+double median_sum(const ModelRun& run, const ParticleSites& sites, const KernelParts& parts) {
   const std::size_t count = parts.count();
-  const std::size_t samples = std::min(kMostSamples, count);
+  const std::vector<SizedSite> some = some_sites(run, sites, parts);
+  const std::size_t samples = some.size();
   std::vector<double> sums(samples);
   data::parallel_ranges(
       {static_cast<std::int64_t>(samples), 1, run.threads, run.stop},
       [&](std::int64_t begin, std::int64_t end) {
         for (auto s = static_cast<std::size_t>(begin); s < static_cast<std::size_t>(end); ++s) {
-          const std::size_t i = (2 * s + 1) * count / (2 * samples);
-          const Vec3 at = parts.center(i);
-          const double sigma = std::cbrt(volume_of_shape(parts, i));
+          const auto& [at, sigma] = some[s];
           const double reach = sigma * parts.cutoff;
           for (std::size_t j = 0; j < count; ++j) {
             const double square = (parts.center(j) - at).squaredNorm();
@@ -283,6 +360,7 @@ double median_sum(const ModelRun& run, const KernelParts& parts) {
           }
         }
       });
+  add_of_all(run, sums);
   std::nth_element(sums.begin(), sums.begin() + static_cast<std::ptrdiff_t>(samples / 2),
                    sums.end());
   return sums[samples / 2];
@@ -291,8 +369,9 @@ double median_sum(const ModelRun& run, const KernelParts& parts) {
 // One weight for all, so that the sum of weights is about 1 in the middle of the data. Where h
 // comes from the neighbours, V is the support's volume over the particles in it, the same multiple
 // of every kernel's volume; else nothing is known but the particles themselves.
-float shared_weight(const ModelRun& run, const ParticleRoles& roles, const KernelParts& parts) {
-  if (roles.radius != nullptr) return static_cast<float>(1 / median_sum(run, parts));
+float shared_weight(const ModelRun& run, const ParticleSites& sites, const ParticleRoles& roles,
+                    const KernelParts& parts) {
+  if (roles.radius != nullptr) return static_cast<float>(1 / median_sum(run, sites, parts));
   const double support = parts.profile == KernelProfile::kGaussian ? 4 : parts.cutoff;  // sigmas
   const double volume = 4.0 / 3 * std::numbers::pi * std::pow(support, 3) / run.options.neighbors;
   return static_cast<float>(volume / profile_integral(parts.profile, parts.cutoff));
@@ -300,16 +379,14 @@ float shared_weight(const ModelRun& run, const ParticleRoles& roles, const Kerne
 
 void weigh_attributes(const ModelRun& run, const ParticleSites& sites, const ParticleRoles& roles,
                       const ParticleColumns& columns, KernelParts& parts) {
-  if (columns.density.empty()) {
-    parts.weights = {shared_weight(run, roles, parts)};
+  if (!columns.have_volumes) {
+    parts.weights = {shared_weight(run, sites, roles, parts)};
     return;
   }
   const double integral = profile_integral(parts.profile, parts.cutoff);
   parts.weights.resize(parts.count());
   for (std::size_t i = 0; i < sites.count(); ++i) {
     const std::uint32_t from = sites.sources[i];
-    if (!(columns.mass[from] > 0)) refuse_particle(*roles.mass, from, columns.mass[from]);
-    if (!(columns.density[from] > 0)) refuse_particle(*roles.density, from, columns.density[from]);
     const double volume = static_cast<double>(columns.mass[from]) / columns.density[from];
     parts.weights[i] = static_cast<float>(volume / (integral * volume_of_shape(parts, i)));
   }
@@ -348,10 +425,10 @@ void add_images(const ModelRun& run, KernelParts& parts, const Bounds3& box) {
     }
   }
   run.report.num_copies = static_cast<std::int64_t>(parts.count() - count);
-  if (run.report.num_copies > 0)
-    run.report.notes.push_back(
-        fmt::format("{} kernels reach across a face of the periodic box and are copied there",
-                    run.report.num_copies));
+  const std::int64_t num_all = total_of(run, run.report.num_copies);
+  if (num_all > 0)
+    run.report.notes.push_back(fmt::format(
+        "{} kernels reach across a face of the periodic box and are copied there", num_all));
 }
 
 }  // namespace
@@ -366,6 +443,7 @@ KernelParts particle_kernels(const ModelRun& run) {
   }
   ParticleColumns columns = load_particle_columns(run, roles);
   ParticleSites sites = choose_particles(run, roles, columns);
+  if (run.team != nullptr) share_out(run, sites, columns);
   KernelParts parts;
   parts.attributes = columns.values.attributes;
   parts.values.resize(columns.values.columns.size());
@@ -385,12 +463,12 @@ KernelParts particle_kernels(const ModelRun& run) {
     std::vector<SiteKernel> kernels = voronoi_kernels(parts.centers, run.stop);
     return fit_ellipsoids(run, {std::move(parts), std::move(kernels)});
   }
-  std::vector<std::uint32_t> heaped = make_shapes(run, sites, columns, parts);
+  std::vector<std::uint32_t> heaped = make_shapes(run, sites, roles, columns, parts);
   parts.centers = std::move(sites.centers);
   parts.reconstruction = run.options.reconstruction.value_or(
       roles.is_density ? Reconstruction::kSum : Reconstruction::kNormalized);
   if (roles.is_density) {
-    weigh_densities(parts);
+    weigh_densities(run, parts);
   } else {
     weigh_attributes(run, sites, roles, columns, parts);
   }

@@ -13,6 +13,7 @@
 #include "model/ellipsoid_shape.h"
 #include "model/kernel_parts.h"
 #include "model/own_array.h"
+#include "model/team_run.h"
 #include "ovoid/error.h"
 #include "ovoid/kernel_field.h"
 
@@ -67,16 +68,16 @@ SiteValues stored_values(const ModelRun& run) {
   return values;
 }
 
-Mat3 factor_of_kernel(const double* scale, const double* rotation, std::size_t i) {
+Mat3 factor_of_kernel(const double* scale, const double* rotation, std::size_t row) {
   for (int a = 0; a < 3; ++a) {
     if (!(scale[a] > 0) || !std::isfinite(scale[a]))
-      refuse_kernel(fmt::format("scale[{}][{}] = {}: must be > 0", i, a, scale[a]));
+      refuse_kernel(fmt::format("scale[{}][{}] = {}: must be > 0", row, a, scale[a]));
   }
   const Eigen::Vector4d numbers(rotation[0], rotation[1], rotation[2], rotation[3]);
   const double norm = numbers.stableNorm();
   if (!(norm > 0) || !std::isfinite(norm))
-    refuse_kernel(fmt::format("rotation[{}] = {} {} {} {}: must be a quaternion w x y z, not 0", i,
-                              numbers[0], numbers[1], numbers[2], numbers[3]));
+    refuse_kernel(fmt::format("rotation[{}] = {} {} {} {}: must be a quaternion w x y z, not 0",
+                              row, numbers[0], numbers[1], numbers[2], numbers[3]));
   const Eigen::Vector4d q = numbers / norm;
   const Mat3 axes = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
   return factor_of_axes(axes, {scale[0], scale[1], scale[2]});
@@ -103,10 +104,12 @@ KernelParts stored_kernels(const ModelRun& run) {
       run.dataset.reconstruction.value_or(Reconstruction::kSum));
   parts.attributes = values.attributes;
   run.report.num_sites = count;
+  const std::int64_t first_row = run.dataset.share ? run.dataset.share->first : 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    const Mat3 factor = factor_of_kernel(scales.data() + 3 * i, rotations.data() + 4 * i, i);
+    const auto row = static_cast<std::size_t>(first_row) + i;
+    const Mat3 factor = factor_of_kernel(scales.data() + 3 * i, rotations.data() + 4 * i, row);
     if (!weights.empty() && (!(weights[i] > 0) || !std::isfinite(weights[i])))
-      refuse_kernel(fmt::format("weight[{}] = {}: must be > 0", i, weights[i]));
+      refuse_kernel(fmt::format("weight[{}] = {}: must be > 0", row, weights[i]));
     const Vec3 center(centers[3 * i], centers[3 * i + 1], centers[3 * i + 2]);
     if (!center.allFinite()) {
       ++run.report.num_misplaced;
@@ -120,7 +123,7 @@ KernelParts stored_kernels(const ModelRun& run) {
     append_factor(factor, parts.shapes);
     if (!weights.empty()) parts.weights.push_back(weights[i]);
   }
-  if (parts.count() == 0)
+  if (total_of(run, static_cast<std::int64_t>(parts.count())) == 0)
     refuse_kernel(
         fmt::format("'{}': no kernel: of {}, {} have no finite value of '{}' and {} no "
                     "finite position",

@@ -63,6 +63,8 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(KernelTrail),
     OVOID_TYPE(KernelView),
     OVOID_TYPE(KernelSource),
+    OVOID_TYPE(KernelTeam),
+    OVOID_TYPE(TeamFieldOptions),
     {"BorrowedValues", sizeof(BorrowedValues<double>), alignof(BorrowedValues<double>)},
     OVOID_TYPE(KernelColumns),
     OVOID_TYPE(KernelField),

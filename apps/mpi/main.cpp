@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <mpi.h>
 #include <unistd.h>
 
@@ -80,15 +81,20 @@ void silence_standard_output() {
 
 int run(int argc, char** argv) {
   hold_standard_files();
+#ifdef M_MMAP_THRESHOLD
+  // What has been sent goes back to the system at once: other processes of the machine take as
+  // much.
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+#endif
   int exit_code = kExitFailed;
   try {
     const Words words(argv, argv + argc);
     // Before MPI starts threads of its own, which would take Ctrl-C otherwise.
     Session session(words);
     int granted = MPI_THREAD_SINGLE;
-    MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &granted);
+    MPI_Init_thread(&argc, &argv, MPI_THREAD_MULTIPLE, &granted);
     try {
-      MpiTeam team{MpiTeam::Duration(patience_of_environment())};
+      MpiTeam team(MpiTeam::Duration(patience_of_environment()), granted == MPI_THREAD_MULTIPLE);
       if (team.number() != 0) silence_standard_output();
       require_own_launcher(team);
       exit_code = run_in_team({words.begin() + 1, words.end()}, team, session);

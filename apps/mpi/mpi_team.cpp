@@ -9,14 +9,13 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <cstdlib>
 #include <numeric>
 #include <span>
 #include <thread>
 #include <vector>
 
 #include "console.h"
-#include "interrupt.h"
+#include "end_job.h"
 #include "picture_part.h"
 #include "session.h"
 #include "usage.h"
@@ -28,9 +27,10 @@ using Run = DeepImage::Run;
 
 constexpr double kDrawingPatience = 100;  // times as long as for what is read
 
-// Processes of the team on this machine, and how many threads each takes.
+// Processes of the team on this machine, the number of this one among them, and how many threads
+// each takes.
 struct Neighbors {
-  int count, threads;
+  int count, place, threads;
 };
 
 // Processors that a process may use are often those of others, too, and then shared with them.
@@ -41,8 +41,9 @@ Neighbors look_around() {
   if (sched_getaffinity(0, own.size(), reinterpret_cast<cpu_set_t*>(own.data())) != 0) own[0] = 1;
   MPI_Comm machine = MPI_COMM_NULL;
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
-  Neighbors found{1, 1};
+  Neighbors found{1, 0, 1};
   MPI_Comm_size(machine, &found.count);
+  MPI_Comm_rank(machine, &found.place);
   std::vector<Mask> all(static_cast<std::size_t>(found.count));
   MPI_Allgather(own.data(), sizeof(Mask), MPI_BYTE, all.data(), sizeof(Mask), MPI_BYTE, machine);
   MPI_Comm_free(&machine);
@@ -56,14 +57,6 @@ Neighbors look_around() {
   });
   found.threads = std::max(processors / static_cast<int>(std::max<std::ptrdiff_t>(sharing, 1)), 1);
   return found;
-}
-
-// Nobody can be told any more but by ending the job.
-[[noreturn]] void end_job(const std::string& message) {
-  complain(message, kExitFailed);
-  Interrupt::be_silent();
-  MPI_Abort(MPI_COMM_WORLD, kExitFailed);
-  std::abort();
 }
 
 // Rows of the picture that each process puts together: [first, first of the next).
@@ -177,12 +170,16 @@ void gather_rows(const std::vector<float>& own, int per_pixel, int width, int he
 
 }  // namespace
 
-MpiTeam::MpiTeam(Duration patience) : patience_(patience) {
+MpiTeam::MpiTeam(Duration patience, bool has_threads) : patience_(patience) {
   MPI_Comm_rank(MPI_COMM_WORLD, &number_);
   MPI_Comm_size(MPI_COMM_WORLD, &count_);
   const Neighbors neighbors = look_around();
   beside_ = neighbors.count;
+  place_ = neighbors.place;
   threads_ = neighbors.threads;
+  if (has_threads && count_ > 1)
+    kernels_ = std::make_shared<MpiKernelTeam>(
+        number_, count_, [this] { meet_within(patience_, {}, 0); }, kDrawingPatience * patience_);
 }
 
 void MpiTeam::meet(const std::string& problem, int exit_code) {
@@ -282,6 +279,7 @@ Team::Picture MpiTeam::put_together_here(const DeepImage& seen, const Look& look
   gather(own.depth, 1, picture.image.depth);
   gather(own.front_depth, 1, picture.image.front_depth);
   picture.exchange_ms += gathering.ms();
+  if (kernels_ != nullptr) picture.bytes += kernels_->bytes_sent();
   std::int64_t bytes = 0;
   MPI_Reduce(&picture.bytes, &bytes, 1, MPI_INT64_T, MPI_SUM, 0, MPI_COMM_WORLD);
   picture.bytes = bytes;

@@ -37,6 +37,16 @@ Series open_series(const DataFlags& data, const Session& session, bool prefetch)
                 {.memory_limit = data.memory_limit.value_or(kMemoryOfSteps), .prefetch = prefetch});
 }
 
+namespace {
+
+// Between steps rows of both are needed together.
+bool shares_rows(const DataFlags& data, const Session& session) {
+  return data.may_be_shared && !data.time && session.team() != nullptr &&
+         session.team()->kernels() != nullptr;
+}
+
+}  // namespace
+
 ReadOptions read_options(const DataFlags& data, const Session& session) {
   ReadOptions options;
   options.raw = data.raw;
@@ -44,6 +54,8 @@ ReadOptions read_options(const DataFlags& data, const Session& session) {
   options.block = data.block;
   options.step = data.step;
   options.may_stay_in_file = data.may_stay_in_file;
+  if (shares_rows(data, session))
+    options.share = RowShare{session.team()->number(), session.team()->count()};
   if (session.team() != nullptr) options.processes_beside = session.team()->beside();
   options.stop = session.stop();
   options.hdf5.positions = data.positions;
@@ -129,6 +141,7 @@ Dataset load(const DataFlags& data, Session& session) {
   if (!data.time) options.memory_limit = static_cast<std::int64_t>(data.memory_limit.value_or(0));
   Dataset dataset = read_dataset(data.inputs, options);
   const bool is_half = dataset.series == SeriesKind::kStaggered && !data.step;
+  if (dataset.share) agree_on_array(dataset, *session.team()->kernels());
   if (data.time || is_half) {
     const double time =
         data.time.value_or(is_half ? dataset.times[static_cast<std::size_t>(dataset.step)] : 0.0);

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 
+#include "ovoid/kernel_team.h"
+#include "team.h"
+
 namespace ovoid::cli {
 namespace {
 
@@ -49,7 +52,10 @@ Modelled make_kernels(const Dataset& dataset, const ModelFlags& model, int threa
   const KernelModelOptions options = kernel_options(dataset, model, threads, session);
   Modelled made;
   made.component = options.component;
-  made.field = make_kernel_field(dataset, options, &made.kernels, session.stop());
+  made.field = dataset.share
+                   ? make_team_field(dataset, {options, model.kept_bytes},
+                                     session.team()->kernels(), &made.kernels, session.stop())
+                   : make_kernel_field(dataset, options, &made.kernels, session.stop());
   made.array = made.kernels.array;
   made.color_array = made.kernels.color_array;
   if (options.array.empty() && !options.is_density.value_or(false))

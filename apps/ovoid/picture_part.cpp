@@ -3,14 +3,21 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <span>
 #include <sstream>
 #include <utility>
 
 #include "console.h"
+#include "ovoid/error.h"
 #include "ovoid/kernel_field.h"
 #include "ovoid/space_part.h"
 
@@ -67,6 +74,25 @@ std::uint64_t digest_of(const Field& field) {
   return digest.value();
 }
 
+// Of a file by its length and pieces of it, evenly spread.
+std::uint64_t digest_of_file(const std::string& path) {
+  constexpr std::int64_t kPieces = 64, kPieceBytes = 4096;
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const auto size = static_cast<std::int64_t>(file.tellg());
+  if (!file)
+    throw Error(ErrorCode::kFileNotFound,
+                fmt::format("'{}': cannot be read: {}", path, std::strerror(errno)));
+  Digest digest;
+  digest.add(size);
+  std::array<char, kPieceBytes> piece{};
+  for (std::int64_t i = 0; i < kPieces; ++i) {
+    file.seekg(std::max<std::int64_t>(0, size - kPieceBytes) / (kPieces - 1) * i);
+    file.read(piece.data(), std::min(kPieceBytes, size));
+    digest.add(piece);
+  }
+  return digest.value();
+}
+
 std::uint64_t digest_of(const Surface& surface) {
   Digest digest;
   for (const Vec3& place : surface.places) digest.add(place);
@@ -76,6 +102,15 @@ std::uint64_t digest_of(const Surface& surface) {
 std::string name_of_line(const std::string& line) { return line.substr(0, line.find(' ')); }
 
 }  // namespace
+
+std::string data_lines(const std::vector<std::string>& inputs) {
+  std::string lines;
+  for (const std::string& input : inputs) {
+    if (!std::filesystem::is_directory(input))
+      lines += fmt::format("data {:016x}\n", digest_of_file(input));
+  }
+  return lines;
+}
 
 std::string picture_lines(const FrameSubject& subject, const Camera& camera,
                           const RenderOptions& options) {

@@ -16,6 +16,10 @@ namespace ovoid::cli {
 std::string picture_lines(const FrameSubject& subject, const Camera& camera,
                           const RenderOptions& options);
 
+// The same of the files that it is of, before they are read: their lengths, and some of their
+// bytes. Throws Error(kFileNotFound).
+std::string data_lines(const std::vector<std::string>& inputs);
+
 // The name of the first line in which two such texts differ: "camera"; empty if they do not.
 std::string differing_line(const std::string& a, const std::string& b);
 

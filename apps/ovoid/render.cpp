@@ -16,6 +16,7 @@
 #include "load.h"
 #include "make_trail.h"
 #include "ovoid/io.h"
+#include "ovoid/model.h"
 #include "picking.h"
 #include "picture_part.h"
 #include "profile.h"
@@ -205,6 +206,9 @@ std::optional<Image> draw_in_team(Team& team, const RenderFlags& render,
              fmt::format("profile {}\n", render.profile));
   RendererSetup run = render.drawing.run;
   if (run.threads == 0) run.threads = team.threads();
+  const bool may_take_device = run.backend == Backend::kAuto || run.backend == Backend::kVulkan;
+  if (may_take_device && run.device < 0 && team.beside() > 1)
+    run.device = device_at_place(list_devices(run.vulkan), team.place());
   Renderer renderer(run);
   RenderHooks hooks;
   hooks.stop = session.stop();
@@ -311,6 +315,9 @@ void run_render(const Words& words, Session& session) {
   take_from_model(&render.data, &drawing.model);
   const Stopwatch loading;
   render.data.may_stay_in_file = true;
+  drawing.model.kept_bytes = static_cast<std::int64_t>(render.data.memory_limit.value_or(0));
+  render.data.may_be_shared = can_be_shared(drawing.model.kernels);
+  if (Team* const team = session.team()) team->agree(data_lines(render.data.inputs));
   Dataset dataset = load(render.data, session);
   profile.load_ms = loading.ms();
   const Stopwatch modelling;

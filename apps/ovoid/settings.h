@@ -53,9 +53,10 @@ struct DataFlags {
   std::vector<std::string> values;   // HDF5: paths of arrays
   std::vector<std::string> folders;  // where files that the input names may lie, beside its own
   bool may_stay_in_file =
-      false;          // of commands that draw, and make nothing of the samples themselves
-  std::string array;  // the only one that is read where the format allows; empty: all
-  int component = 0;  // of hyperslices
+      false;                   // of commands that draw, and make nothing of the samples themselves
+  bool may_be_shared = false;  // among processes: kernels that each makes of its rows
+  std::string array;           // the only one that is read where the format allows; empty: all
+  int component = 0;           // of hyperslices
 };
 
 // A component that nobody named: the norm of vectors, else the first.
@@ -71,6 +72,7 @@ struct ModelFlags {
   std::optional<double> relevant_above;
   LatticeModelOptions lattice;
   KernelModelOptions kernels;
+  std::int64_t kept_bytes = 0;  // of kernels that other processes have; 0: as TeamFieldOptions says
 };
 
 // Appearance: colours and opacities, mode, light.

@@ -4,12 +4,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "ovoid/deep_image.h"
+#include "ovoid/devices.h"
 #include "ovoid/image.h"
+#include "ovoid/kernel_team.h"
 #include "ovoid/look.h"
 
 namespace ovoid::cli {
@@ -25,6 +28,10 @@ class TeamError : public std::runtime_error {
   int exit_code_;
 };
 
+// Which of a machine's graphics processors the process at `place` among those of a team takes, by
+// DeviceInfo::index: one after the other; -1, the usual one, where there are not several.
+int device_at_place(const DeviceList& list, int place);
+
 class Team {
  public:
   virtual ~Team() = default;
@@ -32,6 +39,7 @@ class Team {
   virtual int number() const = 0;  // of this process, from 0
   virtual int count() const = 0;
   virtual int beside() const = 0;   // processes of the team on this machine, this among them
+  virtual int place() const = 0;    // of this process among these, from 0
   virtual int threads() const = 0;  // that this process may take of its machine's
 
   // Waits for all, and long, as one may draw more than another. Throws TeamError in all if
@@ -50,8 +58,11 @@ class Team {
   struct Picture {
     Image image;
     double exchange_ms = 0, composite_ms = 0;
-    std::int64_t bytes = 0;  // of runs and pixels, sent from one process to another
+    std::int64_t bytes = 0;  // of kernels, runs and pixels, sent from one process to another
   };
+  // Through which the library shares kernels; null: each process has all.
+  virtual std::shared_ptr<KernelTeam> kernels() = 0;
+
   // Of what all have seen, at the first process; elsewhere none.
   virtual std::optional<Picture> put_together(const DeepImage& seen, const Look& look) = 0;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Devices on the command line: what there is, what is asked for in vain, and what draws instead.
 #include "program.h"
+#include "team.h"
 
 namespace ovoid::cli_tests {
 namespace {
@@ -41,6 +42,25 @@ class Devices : public ::testing::Test {
   int num_devices_ = 0;
   bool has_usable_ = false;
 };
+
+// Those that draw by themselves, and can; where there are not several the usual one.
+TEST(DevicesOfATeam, AreTakenInTurns) {
+  DeviceList list;
+  const auto add = [&](DeviceKind kind, const char* lack) {
+    DeviceInfo& device = list.devices.emplace_back();
+    device.index = static_cast<int>(list.devices.size()) - 1;
+    device.kind = kind;
+    device.lack = lack;
+  };
+  add(DeviceKind::kSoftware, "");
+  add(DeviceKind::kDiscrete, "");
+  EXPECT_EQ(cli::device_at_place(list, 0), -1);
+  EXPECT_EQ(cli::device_at_place(list, 5), -1);
+  add(DeviceKind::kDiscrete, "an extension");
+  add(DeviceKind::kIntegrated, "");
+  for (int place = 0; place < 5; ++place)
+    EXPECT_EQ(cli::device_at_place(list, place), place % 2 == 0 ? 1 : 3);
+}
 
 TEST_F(Devices, AreListedForPeopleToo) {
   const Outcome listed = run({"info", "--devices"});

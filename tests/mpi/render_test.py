@@ -3,6 +3,7 @@
 when something goes wrong for one of them. Ends with 77 (skipped) where processes cannot be started here."""
 import json
 import os
+import random
 import shutil
 import struct
 import subprocess
@@ -85,6 +86,55 @@ def pictures(folder, data):
             for processes in NUMBERS if i == 0 else NUMBERS[-1:]:
                 render([path, *look], together, processes)
                 expect_same(whole, together, f"{name} {' '.join(look)} by {processes}")
+
+
+def cloud(path, count, writes_header):
+    """Particles of two crowds and a few beside, in no order: x, y, z, v in a table or a periodic LAMMPS dump."""
+    random.seed(7)
+    rows = []
+    for i in range(count):
+        size = 4 if i % 40 == 0 else 0.8 if i % 2 else 0.1
+        middle = (5, 5, 5) if i % 2 else (5.9, 5.3, 4.8)
+        rows.append([min(max(m + size * random.gauss(0, 0.5), 0.01), 9.99) for m in middle] + [random.random()])
+    with open(path, "w") as file:
+        if writes_header:
+            file.write("x,y,z,v\n" + "".join(",".join(f"{number:.7g}" for number in row) + "\n" for row in rows))
+            return
+        file.write(f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS pp pp pp\n" + 3 * "0 10\n")
+        file.write("ITEM: ATOMS id x y z v\n")
+        for i, row in enumerate(rows):
+            file.write(f"{i + 1} " + " ".join(f"{number:.7g}" for number in row) + "\n")
+
+
+def shares(folder):
+    """Particles whose rows, kernels and sizes several processes share, against those that one has alone."""
+    whole, together = os.path.join(folder, "alone.npy"), os.path.join(folder, "shared.npy")
+    for name, flags in (("cloud.csv", ["--array", "v"]), ("cloud.csv", ["--quantity", "density"]), ("cloud.dump", []),
+                        ("cloud.csv", ["--array", "v", "--anisotropic"]), ("cloud.csv", ["--shadows", "0.7"])):
+        path = os.path.join(folder, name)
+        if not os.path.exists(path):
+            cloud(path, 6000, name.endswith(".csv"))
+        render([path, *flags, "--sheets", "image"], whole)
+        for processes in NUMBERS[-3:]:
+            render([path, *flags], together, processes)
+            expect_same(whole, together, f"{name} {' '.join(flags)} by {processes}")
+
+
+def peak_mib(folder, path, processes):
+    out = os.path.join(folder, f"peak-{processes}.json")
+    limit = ["--memory-limit", "2M"]  # of what is fetched
+    render([path, *limit, f"--profile={out}"], os.path.join(folder, "p.npy"), processes)
+    with open(out) as file:
+        return json.load(file)["peak_mib"]["greatest"]
+
+
+def memory_of_shares(folder, few):
+    """What each of several processes takes for many particles, more than for a few, is less than what one alone does."""
+    many = os.path.join(folder, "many.npz")
+    run([OVOID, "make", "galaxy", "--count", "600000", "-o", many])
+    alone, shared = (peak_mib(folder, many, n) - peak_mib(folder, few, n) for n in (1, 4))
+    print(f"600,000 particles: {alone:.0f} MiB alone, {shared:.0f} by each of 4")
+    expect(shared < 0.75 * alone, f"particles: {alone} MiB alone, {shared} by each of 4")
 
 
 def profile(folder, path):
@@ -206,6 +256,8 @@ def main():
         parts(folder, data["head"])
         faults(folder, data["head"], data["fin"])
         memory(folder)
+        shares(folder)
+        memory_of_shares(folder, data["galaxy"])
     finally:
         shutil.rmtree(folder)
     print(f"{len(failures)} failures")

@@ -63,7 +63,7 @@ struct LightVolume {
     double fraction[3];
     for (int a = 0; a < 3; ++a) {
       const auto last = static_cast<double>(dims[static_cast<std::size_t>(a)] - 1);
-      const double inside = std::clamp(place[a], 0.0, last);
+      const double inside = place[a] > 0 ? std::min(place[a], last) : 0.0;  // also of no number
       const double whole = std::min(std::floor(inside), last - 1);
       cell[a] = static_cast<std::int64_t>(whole);
       fraction[a] = inside - whole;

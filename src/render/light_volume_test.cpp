@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "ovoid/error.h"
@@ -302,6 +303,17 @@ TEST(LightVolume, IsOfAllVolumes) {
   const view::ArrivingLight behind =
       light_of(0.05, {thin(test::constant_field({32, 32, 32}, 1, beside), 0.05)});
   EXPECT_NEAR(behind.key, alone.key, 2e-3);
+}
+
+// Fails if a place that is no number, as of a surface's corner out of all sight, is looked up.
+TEST(LightVolume, PlacesThatAreNone) {
+  view::LightVolume volume;
+  volume.dims = {2, 3, 4};
+  volume.packed.assign(24, view::packed_light({0.5, 1}));
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  for (const double x : {kNone, kFar, -kFar, 1e300})
+    EXPECT_NEAR(volume.at(Vec3(x, 1, x)).around, 0.5, 1e-4) << x;
 }
 
 }  // namespace

@@ -165,7 +165,7 @@ void note_on_counts(const Dataset& dataset, KernelModelReport& report) {
 
 namespace {
 
-// `source_of(parts)`: their kernels in bricks.
+// `source_of(parts)`: their kernels in bricks; the parts are not needed any more.
 template <class SourceOf>
 KernelField modelled(const model::ModelRun& run, const SourceOf& source_of,
                      KernelModelReport* report) {
@@ -175,7 +175,8 @@ KernelField modelled(const model::ModelRun& run, const SourceOf& source_of,
     model::KernelParts parts = parts_of(run);
     const Reconstruction reconstruction = parts.reconstruction;
     own.is_normalized = reconstruction == Reconstruction::kNormalized;
-    auto source = source_of(std::move(parts));
+    auto source = source_of(parts);
+    parts = {};
     const int color = source->attributes().size() > 1 ? 1 : -1;
     KernelField field(std::move(source), reconstruction, 0, color);
     own.num_kernels = field.num_kernels();
@@ -201,7 +202,7 @@ KernelField make_kernel_field(const Dataset& dataset, const KernelModelOptions& 
   const model::ModelRun run = {dataset, options, own, data::resolve_threads(options.threads),
                                std::move(stop)};
   return modelled(
-      run, [&](model::KernelParts parts) { return source_of_parts(run, parts); }, report);
+      run, [&](const model::KernelParts& parts) { return source_of_parts(run, parts); }, report);
 }
 
 KernelField make_team_field(const Dataset& share, const TeamFieldOptions& options,
@@ -222,7 +223,7 @@ KernelField make_team_field(const Dataset& share, const TeamFieldOptions& option
       team};
   return modelled(
       run,
-      [&](model::KernelParts parts) {
+      [&](model::KernelParts& parts) {
         for (std::int64_t* const count : {&own.num_sites, &own.num_missing, &own.num_misplaced,
                                           &own.num_merged, &own.num_copies, &own.num_degenerate})
           *count = model::total_of(run, *count);

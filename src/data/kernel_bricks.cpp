@@ -9,7 +9,7 @@
 namespace ovoid::data {
 namespace {
 
-constexpr std::int64_t kGrain = 16384;
+constexpr std::int64_t kKeyGrain = 16384;
 constexpr int kClassOctaves = 2;
 
 // Extent of a brick's centres, in least sigmas, up to which float offsets stay within
@@ -106,7 +106,7 @@ class BrickCutter {
   }
 
   void sort_along(const MortonCube& cube, std::size_t begin, std::size_t end) {
-    parallel_ranges({static_cast<std::int64_t>(end - begin), kGrain, threads_},
+    parallel_ranges({static_cast<std::int64_t>(end - begin), kKeyGrain, threads_},
                     [&](std::int64_t from, std::int64_t to) {
                       for (std::int64_t i = from; i < to; ++i) {
                         SortItem& item = items_[begin + static_cast<std::size_t>(i)];

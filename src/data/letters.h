@@ -25,8 +25,7 @@ void append(Letter& letter, std::span<const T> items) {
   const std::size_t before = letter.size();
   letter.resize(before + items.size_bytes());
   if (!items.empty())
-    std::memcpy(letter.data() + before, static_cast<const void*>(items.data()),
-                items.size_bytes());
+    std::memcpy(letter.data() + before, static_cast<const void*>(items.data()), items.size_bytes());
 }
 
 // Rows by the process that they go to: what is in a list of numbers of rows.

@@ -67,21 +67,6 @@ model::KernelParts parts_of(const model::ModelRun& run) {
               fmt::format("'{}': is a lattice; make_lattice_field() takes it", run.dataset.source));
 }
 
-std::shared_ptr<const KernelSource> source_of_parts(const model::ModelRun& run,
-                                                    const model::KernelParts& parts) {
-  KernelColumns columns;
-  columns.shape = parts.shape;
-  columns.profile = parts.profile;
-  columns.cutoff = parts.cutoff;
-  columns.centers = parts.centers;
-  columns.shapes = parts.shapes;
-  columns.weights = parts.weights;
-  for (const std::vector<float>& column : parts.values) columns.values.push_back(column);
-  columns.attributes = parts.attributes;
-  columns.ranges = parts.ranges;
-  return make_kernel_source(columns, run.threads);
-}
-
 std::array<double, 5> quantiles(std::vector<double> numbers) {
   std::sort(numbers.begin(), numbers.end());
   std::array<double, 5> result{};
@@ -202,7 +187,11 @@ KernelField make_kernel_field(const Dataset& dataset, const KernelModelOptions& 
   const model::ModelRun run = {dataset, options, own, data::resolve_threads(options.threads),
                                std::move(stop)};
   return modelled(
-      run, [&](const model::KernelParts& parts) { return source_of_parts(run, parts); }, report);
+      run,
+      [&](const model::KernelParts& parts) {
+        return make_kernel_source(model::columns_of(parts), run.threads);
+      },
+      report);
 }
 
 KernelField make_team_field(const Dataset& share, const TeamFieldOptions& options,

@@ -27,6 +27,20 @@ std::vector<float> floats_of(const ScalarSamples& samples, std::int64_t count) {
 
 }  // namespace
 
+KernelColumns columns_of(const KernelParts& parts) {
+  KernelColumns columns;
+  columns.shape = parts.shape;
+  columns.profile = parts.profile;
+  columns.cutoff = parts.cutoff;
+  columns.centers = parts.centers;
+  columns.shapes = parts.shapes;
+  columns.weights = parts.weights;
+  for (const std::vector<float>& column : parts.values) columns.values.push_back(column);
+  columns.attributes = parts.attributes;
+  columns.ranges = parts.ranges;
+  return columns;
+}
+
 void require_tuples(const DataArray& array, std::int64_t expected, const char* noun) {
   if (array.num_components < 1)
     refuse_input(

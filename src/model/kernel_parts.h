@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ovoid/dataset.h"
+#include "ovoid/kernel_field.h"
 #include "ovoid/kernel_team.h"
 #include "ovoid/model.h"
 
@@ -44,6 +45,9 @@ struct KernelParts {
     return {centers[3 * i], centers[3 * i + 1], centers[3 * i + 2]};
   }
 };
+
+// The parts' columns, borrowed.
+KernelColumns columns_of(const KernelParts& parts);
 
 // Work for parallel_ranges() over `count` items of a run.
 inline constexpr std::int64_t kSiteGrain = 4096;

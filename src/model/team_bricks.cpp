@@ -119,7 +119,8 @@ class BrickSharing {
     data::TeamSet set{parts_.shape, parts_.profile, parts_.cutoff, parts_.attributes};
     receive(run_.team->exchange(letters()));
     std::shared_ptr<const KernelSource> own;
-    if (parts_.count() > 0) own = data::resident_kernels(columns(), groups_, run_.threads);
+    if (!has_weights_) parts_.weights = {shared_weight_};
+    if (parts_.count() > 0) own = data::resident_kernels(columns_of(parts_), groups_, run_.threads);
     parts_ = {};
     return data::make_team_source(std::move(set), std::move(own), run_.team, kept_bytes);
   }
@@ -312,20 +313,6 @@ class BrickSharing {
       end = begin + static_cast<std::size_t>(unit.count);
       groups_.push_back({unit.kind, begin, end, unit.cube, below_cells_});
     }
-  }
-
-  KernelColumns columns() {
-    KernelColumns columns;
-    columns.shape = parts_.shape;
-    columns.profile = parts_.profile;
-    columns.cutoff = parts_.cutoff;
-    columns.centers = parts_.centers;
-    columns.shapes = parts_.shapes;
-    if (!has_weights_) parts_.weights = {shared_weight_};
-    columns.weights = parts_.weights;
-    for (const std::vector<float>& column : parts_.values) columns.values.push_back(column);
-    columns.attributes = parts_.attributes;
-    return columns;
   }
 
   const ModelRun& run_;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "data/merged_range.h"
 
-#include <algorithm>
-
 namespace ovoid::data {
 
 ValueRange merged_range(const BrickSource& source) noexcept {
@@ -12,13 +10,7 @@ ValueRange merged_range(const BrickSource& source) noexcept {
   for (std::int64_t bz = 0; bz * edge < cells[2]; ++bz) {
     for (std::int64_t by = 0; by * edge < cells[1]; ++by) {
       for (std::int64_t bx = 0; bx * edge < cells[0]; ++bx) {
-        const ValueRange range = source.brick_range(bx, by, bz);
-        if (range.is_empty()) continue;
-        if (merged.is_empty()) {
-          merged = range;
-        } else {
-          merged = {std::min(merged.lo, range.lo), std::max(merged.hi, range.hi)};
-        }
+        merge(merged, source.brick_range(bx, by, bz));
       }
     }
   }

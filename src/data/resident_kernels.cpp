@@ -10,6 +10,7 @@
 
 #include "data/kernel_bricks.h"
 #include "data/kernel_shape.h"
+#include "data/merged_range.h"
 #include "data/parallel.h"
 #include "ovoid/error.h"
 #include "ovoid/kernel_field.h"
@@ -181,16 +182,7 @@ class ResidentKernels final : public KernelSource {
                           });
     for (std::size_t a = 0; a < attributes_.size(); ++a) {
       attributes_[a].range = columns.ranges.empty() ? ValueRange{} : columns.ranges[a];
-      for (const KernelBrick& brick : bricks_) merge(attributes_[a].range, brick.ranges[a]);
-    }
-  }
-
-  static void merge(ValueRange& range, const ValueRange& other) {
-    if (range.is_empty()) {
-      range = other;
-    } else {
-      range.lo = std::min(range.lo, other.lo);
-      range.hi = std::max(range.hi, other.hi);
+      for (const KernelBrick& brick : bricks_) data::merge(attributes_[a].range, brick.ranges[a]);
     }
   }
 
@@ -217,7 +209,7 @@ class ResidentKernels final : public KernelSource {
       if (!weights_.empty()) weights_[to] = columns.weights[from];
       for (std::size_t a = 0; a < values_.size(); ++a) {
         values_[a][to] = columns.values[a][from];
-        merge(brick.ranges[a], {values_[a][to], values_[a][to]});
+        data::merge(brick.ranges[a], {values_[a][to], values_[a][to]});
       }
       // An ellipsoid reaches sqrt(S_aa) sigmas along axis a: the length of the factor's row.
       const Vec3 sigmas = data::factor_of(shape_, numbers).rowwise().norm();

@@ -10,6 +10,7 @@
 
 #include "data/kernel_shape.h"
 #include "data/letters.h"
+#include "data/merged_range.h"
 #include "data/page_cache.h"
 #include "ovoid/error.h"
 
@@ -19,12 +20,6 @@ namespace {
 // Bricks are fetched by pages of at least so many kernels, some 60 kB, which neighbours in space
 // are on.
 constexpr std::int64_t kPageKernels = 2048;
-
-void merge(ValueRange& range, const ValueRange& other) {
-  if (other.is_empty()) return;
-  range = range.is_empty() ? other
-                           : ValueRange{std::min(range.lo, other.lo), std::max(range.hi, other.hi)};
-}
 
 // The bricks of all, and who has which.
 struct Layout {

@@ -212,6 +212,7 @@ std::optional<Image> draw_in_team(Team& team, const RenderFlags& render,
   Renderer renderer(run);
   RenderHooks hooks;
   hooks.stop = session.stop();
+  hooks.team = team.kernels();
   const Stopwatch drawing;
   const PicturePart part = draw_part(renderer, subject, camera, render.drawing.options,
                                      {team.number() + 1, team.count()}, hooks, session);

@@ -103,6 +103,10 @@ class KernelSource {
   // The kernels of one brick at a time (ignored by data without time). Throws Error.
   virtual KernelView acquire(std::int64_t index, double time) const = 0;
   virtual std::size_t resident_bytes() const noexcept = 0;
+  // Every `stride`-th kernel alone, counted from the first brick on, for sources that bring these
+  // more cheaply than all: those of a brick together, whose header they have but for their count;
+  // bricks without any are left out. Null: acquire() is as cheap. Throws Error.
+  virtual std::shared_ptr<const KernelSource> every(std::int64_t stride) const;
 };
 
 // What stays where it is when a span of it has been made: a temporary does not.
@@ -146,6 +150,13 @@ struct KernelColumns {
 std::shared_ptr<const KernelSource> make_kernel_source(const KernelColumns& columns,
                                                        int threads = 0);
 
+// A summed field at the centres of every `stride`-th of its kernels, counted from the first brick
+// on: what its range and looks are made of.
+struct KernelSums {
+  std::int64_t stride = 1;
+  std::vector<float> values;
+};
+
 // What is drawn of a kernel source: which attribute gives opacity and surfaces, which one colour,
 // and how kernels are summed. The colour's value is a mean in both cases: sum w c phi / sum w phi,
 // and of a sum, weighted by what is summed, sum w v c phi / sum w v phi. A value type: copies share
@@ -158,6 +169,10 @@ class KernelField {
   // Attributes by index; `color_attribute` -1: the same. Throws Error(kInvalidArgument).
   KernelField(std::shared_ptr<const KernelSource> source, Reconstruction reconstruction,
               int attribute = 0, int color_attribute = -1);
+  // A sum, of which the values at the kernels are known, one for each `stride`-th; it looks at no
+  // kernels but for their sizes. Throws Error(kInvalidArgument).
+  KernelField(std::shared_ptr<const KernelSource> source, KernelSums sums, int attribute = 0,
+              int color_attribute = -1);
 
   bool is_empty() const noexcept { return source_ == nullptr; }
   const KernelSource& source() const noexcept { return *source_; }
@@ -172,6 +187,8 @@ class KernelField {
   // Normalized: of the kernels' values. `sum`: of the field at the kernels' centres.
   ValueRange value_range() const noexcept { return value_range_; }
   ValueRange color_range() const noexcept { return color_range_; }
+  // Of a sum what its range was found by, some thousands of values; null: these are means.
+  const KernelSums* sums() const noexcept { return sums_.get(); }
   // Twice the median sigma, but at least a 512th of the bounds' diagonal: for a lattice's kernels
   // that is the spacing.
   double default_sampling_distance() const noexcept { return sampling_distance_; }
@@ -185,12 +202,16 @@ class KernelField {
   static constexpr double kLeastWeight = 0.2;
 
  private:
+  void look_at_kernels(int attribute, int color_attribute);
+  void take_sums(KernelSums sums);
+
   std::shared_ptr<const KernelSource> source_;
   Reconstruction reconstruction_ = Reconstruction::kNormalized;
   int attribute_ = 0;
   int color_attribute_ = 0;
   Bounds3 bounds_;
   ValueRange value_range_, color_range_;
+  std::shared_ptr<const KernelSums> sums_;
   double sampling_distance_ = 1;
   double refined_distance_ = 0.5;
   std::uint64_t id_ = 0;

@@ -16,6 +16,7 @@
 #include "ovoid/export.h"
 #include "ovoid/field.h"
 #include "ovoid/image.h"
+#include "ovoid/kernel_team.h"
 #include "ovoid/look.h"
 #include "ovoid/render_options.h"
 
@@ -38,6 +39,10 @@ struct RenderHooks {
   std::stop_token stop;  // triggered: render throws Error(kCancelled) within a block's time
   std::function<void(double fraction)> progress;  // in [0, 1], not decreasing
   std::function<void(const TileDone&)> tile_done;
+  // Processes that draw the same frame at the same time, each a part of its own: they make together
+  // what is of the whole, light from a coarse volume. All render, or all but this one wait. Null:
+  // alone.
+  std::shared_ptr<KernelTeam> team;
 };
 
 // Counts and times of one frame.

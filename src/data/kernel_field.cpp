@@ -9,6 +9,7 @@
 
 #include "data/field_id.h"
 #include "data/kernel_shape.h"
+#include "data/kernel_sums.h"
 #include "data/some_kernels.h"
 #include "ovoid/error.h"
 
@@ -59,23 +60,12 @@ Bounds3 bounds_of_cells(const KernelSource& source) {
   return bounds;
 }
 
-// A summed field at some of its centres.
-ValueRange sampled_sum_range(const KernelField& field) {
-  constexpr std::int64_t kMostEvaluations = 8192;
-  const KernelSampler sampler(field);
-  const KernelSource& source = field.source();
-  const std::int64_t stride =
-      std::max<std::int64_t>(1, std::min(source.num_kernels(), kMostSamples) / kMostEvaluations);
+ValueRange range_of_sums(const KernelSums& sums) {
   ValueRange range{0.0F, 0.0F};  // a sum fades to nothing
-  std::int64_t count = 0;
-  data::for_some_kernels(
-      source, kMostSamples, [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
-        if (count++ % stride != 0) return;
-        const auto value =
-            static_cast<float>(sampler.at(brick.origin + data::offset_of(view, i)).value);
-        range.lo = std::min(range.lo, value);
-        range.hi = std::max(range.hi, value);
-      });
+  for (const float value : sums.values) {
+    range.lo = std::min(range.lo, value);
+    range.hi = std::max(range.hi, value);
+  }
   return range;
 }
 
@@ -89,9 +79,45 @@ int checked_attribute(const KernelSource& source, int attribute, const char* nam
 
 }  // namespace
 
+std::shared_ptr<const KernelSource> KernelSource::every(std::int64_t /*stride*/) const {
+  return nullptr;
+}
+
 KernelField::KernelField(std::shared_ptr<const KernelSource> source, Reconstruction reconstruction,
                          int attribute, int color_attribute)
     : source_(std::move(source)), reconstruction_(reconstruction) {
+  look_at_kernels(attribute, color_attribute);
+  if (reconstruction_ == Reconstruction::kNormalized) {
+    value_range_ = source_->attributes()[static_cast<std::size_t>(attribute_)].range;
+    color_range_ = source_->attributes()[static_cast<std::size_t>(color_attribute_)].range;
+    return;
+  }
+  const std::int64_t stride = data::stride_of_sums(num_kernels());
+  take_sums({stride, data::sums_at_kernels(*this, stride)});
+}
+
+KernelField::KernelField(std::shared_ptr<const KernelSource> source, KernelSums sums, int attribute,
+                         int color_attribute)
+    : source_(std::move(source)), reconstruction_(Reconstruction::kSum) {
+  look_at_kernels(attribute, color_attribute);
+  const std::int64_t wanted =
+      data::count_of_every(num_kernels(), std::max<std::int64_t>(1, sums.stride));
+  if (sums.stride < 1 || std::ssize(sums.values) != wanted)
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("sums: {} values at every {}th of {} kernels, expected {}",
+                            sums.values.size(), sums.stride, num_kernels(), wanted));
+  take_sums(std::move(sums));
+}
+
+void KernelField::take_sums(KernelSums sums) {
+  value_range_ = range_of_sums(sums);
+  color_range_ = has_own_color()
+                     ? source_->attributes()[static_cast<std::size_t>(color_attribute_)].range
+                     : value_range_;
+  sums_ = std::make_shared<const KernelSums>(std::move(sums));
+}
+
+void KernelField::look_at_kernels(int attribute, int color_attribute) {
   if (!source_)
     throw Error(ErrorCode::kInvalidArgument, "source = null: a field needs a kernel source");
   attribute_ = checked_attribute(*source_, attribute, "attribute");
@@ -105,15 +131,6 @@ KernelField::KernelField(std::shared_ptr<const KernelSource> source, Reconstruct
       std::clamp(2 * sigmas.narrow, 0.25 * sampling_distance_, 0.5 * sampling_distance_);
   id_ = data::next_field_id();
   version_ = 1;
-  if (reconstruction_ == Reconstruction::kNormalized) {
-    value_range_ = source_->attributes()[static_cast<std::size_t>(attribute_)].range;
-    color_range_ = source_->attributes()[static_cast<std::size_t>(color_attribute_)].range;
-  } else {
-    value_range_ = sampled_sum_range(*this);
-    color_range_ = has_own_color()
-                       ? source_->attributes()[static_cast<std::size_t>(color_attribute_)].range
-                       : value_range_;
-  }
 }
 
 }  // namespace ovoid

@@ -59,21 +59,62 @@ struct Layout {
   }
 };
 
-// A page on its way: columns of floats, one for each coordinate, shape number, the weight and each
-// value, of all kernels of its bricks.
-Letter written_page(const KernelSource& own, const Layout& layout, std::int64_t first_own,
-                    std::int64_t page) {
-  const std::int64_t begin = layout.first_of_page(page);
-  const std::int64_t end = layout.first_of_page(page + 1);
-  const auto count = static_cast<std::size_t>(layout.kernels_before(begin, end));
+// Some of the kernels of a process: of its bricks [begin, end) every `stride`-th, from one of the
+// first brick on.
+struct Chosen {
+  std::int64_t begin = 0, end = 0;
+  std::int64_t first = 0;
+  std::int64_t stride = 1;
+};
+
+// Runs `body(brick, first)` for the bricks that have kernels among those: `first` is the first.
+template <class Body>
+void for_bricks_of(const Layout& layout, const Chosen& chosen, const Body& body) {
+  std::int64_t next = chosen.first;
+  for (std::int64_t b = chosen.begin; b < chosen.end; ++b) {
+    const std::int64_t count = layout.bricks[static_cast<std::size_t>(b)].count;
+    if (next < count) {
+      body(b, next);
+      next += (count - next + chosen.stride - 1) / chosen.stride * chosen.stride;
+    }
+    next -= count;
+  }
+}
+
+std::int64_t count_in(std::int64_t in_brick, std::int64_t first, std::int64_t stride) {
+  return (in_brick - first + stride - 1) / stride;
+}
+
+// All that process `owner` has of every `stride`-th kernel of all.
+Chosen every_of(const Layout& layout, std::int64_t owner, std::int64_t stride) {
+  const std::int64_t begin = layout.owners[static_cast<std::size_t>(owner)];
+  const std::int64_t before = layout.kernels_before(0, begin);
+  return {begin, layout.owners[static_cast<std::size_t>(owner) + 1],
+          (stride - before % stride) % stride, stride};
+}
+
+Chosen page_of(const Layout& layout, std::int64_t page) {
+  return {layout.first_of_page(page), layout.first_of_page(page + 1)};
+}
+
+// Kernels on their way: columns of floats, one for each coordinate, shape number, the weight and
+// each value, of all of them.
+Letter written(const KernelSource& own, const Layout& layout, std::int64_t first_own,
+               const Chosen& chosen) {
+  std::size_t count = 0;
+  for_bricks_of(layout, chosen, [&](std::int64_t b, std::int64_t first) {
+    count += static_cast<std::size_t>(
+        count_in(layout.bricks[static_cast<std::size_t>(b)].count, first, chosen.stride));
+  });
   const auto num_shapes = static_cast<std::size_t>(num_shape_numbers(own.shape()));
   const std::size_t num_values = own.attributes().size();
   const std::size_t num_columns = 3 + num_shapes + 1 + num_values;
   std::vector<float> columns(num_columns * count);
   std::size_t to = 0;
-  for (std::int64_t b = begin; b < end; ++b) {
+  for_bricks_of(layout, chosen, [&](std::int64_t b, std::int64_t first) {
     const KernelView view = own.acquire(b - first_own, 0.0);
-    for (std::int32_t i = 0; i < view.count; ++i, ++to) {
+    for (std::int64_t k = first; k < view.count; k += chosen.stride, ++to) {
+      const auto i = static_cast<std::int32_t>(k);
       const std::array<float, 6> shape = shape_numbers(view, own.shape(), i);
       float* at = columns.data() + to;
       const auto put = [&](float number) {
@@ -85,27 +126,119 @@ Letter written_page(const KernelSource& own, const Layout& layout, std::int64_t 
       put(weight_of(view, i));
       for (std::size_t a = 0; a < num_values; ++a) put(view.value[a][i]);
     }
-  }
+  });
   Letter letter;
   append(letter, std::span<const float>(columns));
   return letter;
 }
+
+// Such columns read.
+struct Columns {
+  KernelShape shape = KernelShape::kBalls;
+  std::size_t num_values = 0;
+
+  std::size_t number() const noexcept {
+    return 3 + static_cast<std::size_t>(num_shape_numbers(shape)) + 1 + num_values;
+  }
+  void check(const Letter& letter, std::size_t num_kernels, std::int64_t sender) const {
+    const std::size_t expected = number() * num_kernels * sizeof(float);
+    if (letter.size() == expected) return;
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("process {} of the team has sent {} bytes of kernels, expected {}",
+                            sender, letter.size(), expected));
+  }
+  // `count` kernels from number `first` on, of `num_kernels` in all.
+  KernelView view(std::shared_ptr<const Letter> letter, std::size_t num_kernels, std::int64_t first,
+                  std::int32_t count) const {
+    // From operator new: aligned for floats.
+    const float* column = reinterpret_cast<const float*>(letter->data()) + first;
+    const auto next = [&] { return std::exchange(column, column + num_kernels); };
+    KernelView view;
+    view.count = count;
+    for (const float*& center : view.center) center = next();
+    for (int c = 0; c < num_shape_numbers(shape); ++c)
+      view.shape[static_cast<std::size_t>(c)] = next();
+    view.weight = next();
+    for (std::size_t a = 0; a < num_values; ++a) view.value[a] = next();
+    view.pin = std::move(letter);
+    return view;
+  }
+};
+
+// Every so many-th kernel of all, in memory.
+class ChosenKernels final : public KernelSource {
+ public:
+  ChosenKernels(const TeamSet& set, Columns columns) : set_(set), columns_(columns) {}
+
+  void add(const KernelBrick& brick, std::int64_t count, std::size_t letter, std::int64_t first) {
+    bricks_.push_back(brick);
+    bricks_.back().count = static_cast<std::int32_t>(count);
+    places_.push_back({letter, first});
+    num_kernels_ += count;
+  }
+  std::size_t add(Letter letter, std::size_t num_kernels) {
+    letters_.push_back({std::make_shared<const Letter>(std::move(letter)), num_kernels});
+    return letters_.size() - 1;
+  }
+
+  KernelShape shape() const noexcept override { return set_.shape; }
+  KernelProfile profile() const noexcept override { return set_.profile; }
+  double cutoff() const noexcept override { return set_.cutoff; }
+  std::span<const KernelAttribute> attributes() const noexcept override { return set_.attributes; }
+  std::int64_t num_kernels() const noexcept override { return num_kernels_; }
+  std::int64_t num_bricks() const noexcept override { return std::ssize(bricks_); }
+  const KernelBrick& brick(std::int64_t index) const noexcept override {
+    return bricks_[static_cast<std::size_t>(index)];
+  }
+  KernelView acquire(std::int64_t index, double /*time*/) const override {
+    const Place& place = places_[static_cast<std::size_t>(index)];
+    const Sent& sent = letters_[place.letter];
+    return columns_.view(sent.letter, sent.num_kernels, place.first, brick(index).count);
+  }
+  std::size_t resident_bytes() const noexcept override {
+    return bricks_.size() * sizeof(KernelBrick) +
+           static_cast<std::size_t>(num_kernels_) * columns_.number() * sizeof(float);
+  }
+
+ private:
+  struct Place {
+    std::size_t letter;
+    std::int64_t first;  // in it
+  };
+  struct Sent {
+    std::shared_ptr<const Letter> letter;
+    std::size_t num_kernels;
+  };
+  const TeamSet set_;
+  const Columns columns_;
+  std::vector<KernelBrick> bricks_;
+  std::vector<Place> places_;
+  std::vector<Sent> letters_;
+  std::int64_t num_kernels_ = 0;
+};
 
 class TeamSource final : public KernelSource {
  public:
   TeamSource(TeamSet set, std::shared_ptr<const KernelSource> own, std::shared_ptr<KernelTeam> team,
              std::int64_t kept_bytes)
       : set_(std::move(set)),
+        columns_{set_.shape, set_.attributes.size()},
         own_(std::move(own)),
         team_(std::move(team)),
         pages_(static_cast<std::size_t>(std::max<std::int64_t>(
             (kept_bytes > 0 ? kept_bytes : usual_kept_bytes()) / page_bytes(), kLeastPages))) {
     gather();
     first_own_ = layout_->owners[static_cast<std::size_t>(team_->number())];
-    question_ =
-        team_->answer([own = own_, layout = layout_, first = first_own_](std::int64_t page) {
-          return written_page(*own, *layout, first, page);
-        });
+    const auto answer = [&](auto chosen) {
+      return team_->answer(
+          [own = own_, layout = layout_, first = first_own_, chosen](std::int64_t number) {
+            return written(*own, *layout, first, chosen(*layout, number));
+          });
+    };
+    page_question_ = answer(page_of);
+    every_question_ = answer([number = team_->number()](const Layout& layout, std::int64_t stride) {
+      return every_of(layout, number, stride);
+    });
   }
 
   KernelShape shape() const noexcept override { return set_.shape; }
@@ -128,26 +261,38 @@ class TeamSource final : public KernelSource {
     const auto count = static_cast<std::size_t>(
         layout_->kernels_before(begin, layout_->first_of_page(number + 1)));
     std::shared_ptr<const Letter> page = pages_.get(number, [&] {
-      Letter letter = team_->fetch(static_cast<int>(owner), question_, number);
-      if (letter.size() != num_columns() * count * sizeof(float))
-        throw Error(ErrorCode::kInvalidArgument,
-                    fmt::format("process {} of the team has sent {} bytes of kernels, expected {}",
-                                owner, letter.size(), num_columns() * count * sizeof(float)));
+      Letter letter = team_->fetch(static_cast<int>(owner), page_question_, number);
+      columns_.check(letter, count, owner);
       return letter;
     });
-    // From operator new: aligned for floats.
-    const float* column =
-        reinterpret_cast<const float*>(page->data()) + layout_->kernels_before(begin, index);
-    const auto next = [&] { return std::exchange(column, column + count); };
-    KernelView view;
-    view.count = brick(index).count;
-    for (const float*& center : view.center) center = next();
-    for (int c = 0; c < num_shape_numbers(set_.shape); ++c)
-      view.shape[static_cast<std::size_t>(c)] = next();
-    view.weight = next();
-    for (std::size_t a = 0; a < set_.attributes.size(); ++a) view.value[a] = next();
-    view.pin = std::move(page);
-    return view;
+    return columns_.view(std::move(page), count, layout_->kernels_before(begin, index),
+                         brick(index).count);
+  }
+
+  std::shared_ptr<const KernelSource> every(std::int64_t stride) const override {
+    auto some = std::make_shared<ChosenKernels>(set_, columns_);
+    for (int owner = 0; owner < team_->count(); ++owner) {
+      const Chosen chosen = every_of(*layout_, owner, stride);
+      std::vector<std::int64_t> counts, bricks;
+      std::size_t count = 0;
+      for_bricks_of(*layout_, chosen, [&](std::int64_t b, std::int64_t first) {
+        bricks.push_back(b);
+        counts.push_back(count_in(brick(b).count, first, stride));
+        count += static_cast<std::size_t>(counts.back());
+      });
+      if (count == 0) continue;
+      Letter letter = owner == team_->number()
+                          ? written(*own_, *layout_, first_own_, chosen)
+                          : team_->fetch(owner, every_question_, stride);
+      columns_.check(letter, count, owner);
+      const std::size_t number = some->add(std::move(letter), count);
+      std::int64_t first = 0;
+      for (std::size_t i = 0; i < bricks.size(); ++i) {
+        some->add(brick(bricks[i]), counts[i], number, first);
+        first += counts[i];
+      }
+    }
+    return some;
   }
 
   std::size_t resident_bytes() const noexcept override {
@@ -164,11 +309,8 @@ class TeamSource final : public KernelSource {
                     own_ == nullptr ? 0 : static_cast<std::int64_t>(own_->resident_bytes()));
   }
 
-  std::size_t num_columns() const noexcept {
-    return 3 + static_cast<std::size_t>(num_shape_numbers(set_.shape)) + 1 + set_.attributes.size();
-  }
   std::int64_t page_bytes() const noexcept {
-    return kPageKernels * static_cast<std::int64_t>(num_columns() * sizeof(float));
+    return kPageKernels * static_cast<std::int64_t>(columns_.number() * sizeof(float));
   }
 
   void gather() {
@@ -196,11 +338,13 @@ class TeamSource final : public KernelSource {
   }
 
   TeamSet set_;
+  const Columns columns_;
   std::shared_ptr<const KernelSource> own_;
   std::shared_ptr<KernelTeam> team_;
   std::shared_ptr<Layout> layout_ = std::make_shared<Layout>();
   std::int64_t first_own_ = 0;
-  int question_ = 0;
+  int page_question_ = 0;
+  int every_question_ = 0;
   mutable PageCache<Letter> pages_;
 };
 

@@ -9,6 +9,7 @@
 #include <new>
 
 #include "data/kernel_shape.h"
+#include "data/kernel_sums.h"
 #include "data/parallel.h"
 #include "data/some_kernels.h"
 #include "model/kernel_parts.h"
@@ -94,8 +95,15 @@ std::size_t affordable_sums(const KernelSource& source, const std::vector<Vec3>&
                                  std::min(most, kProbes), most);
 }
 
+// The places of all that are this process's share of the work.
+data::PartOfPlaces part_of(const model::ModelRun& run) {
+  return run.team == nullptr ? data::PartOfPlaces{}
+                             : data::PartOfPlaces{run.team->number(), run.team->count()};
+}
+
 // Sizes of kernels spread over all bricks, and where their sum is wanted.
-void report_kernels(const KernelField& field, KernelModelReport& report) {
+void report_kernels(const model::ModelRun& run, const KernelField& field,
+                    KernelModelReport& report) {
   const KernelSource& source = field.source();
   std::vector<double> spacings, ratios;
   std::vector<Vec3> places;
@@ -110,12 +118,15 @@ void report_kernels(const KernelField& field, KernelModelReport& report) {
   report.spacings = quantiles(std::move(spacings));
   report.axis_ratios = quantiles(std::move(ratios));
   if (report.constant_mean != 0 || !report.is_normalized) return;
-  const KernelSampler sampler(field);
   const std::size_t every =
       std::max<std::size_t>(1, places.size() / affordable_sums(source, places));
+  std::vector<Vec3> looked_at;
+  for (std::size_t i = 0; i < places.size(); i += every) looked_at.push_back(places[i]);
+  const KernelSampler sampler(field);
+  std::vector<double> sums;
+  for (const Vec3& place : part_of(run).of(looked_at)) sums.push_back(sampler.at(place).weight);
   double count = 0, mean = 0, square = 0;
-  for (std::size_t i = 0; i < places.size(); i += every) {
-    const double sum = sampler.at(places[i]).weight;
+  for (const double sum : model::joined(run, std::move(sums))) {
     count += 1;
     mean += sum;
     square += sum * sum;
@@ -150,6 +161,22 @@ void note_on_counts(const Dataset& dataset, KernelModelReport& report) {
 
 namespace {
 
+// A sum is sampled by all processes together.
+KernelField field_of(const model::ModelRun& run, std::shared_ptr<const KernelSource> source,
+                     Reconstruction reconstruction) {
+  const int color = source->attributes().size() > 1 ? 1 : -1;
+  if (run.team == nullptr || reconstruction != Reconstruction::kSum)
+    return {std::move(source), reconstruction, 0, color};
+  KernelSums sums;
+  sums.stride = data::stride_of_sums(source->num_kernels());
+  sums.values.resize(
+      static_cast<std::size_t>(data::count_of_every(source->num_kernels(), sums.stride)));
+  const KernelField unsampled(source, sums, 0, color);
+  sums.values =
+      model::joined(run, data::sums_at_kernels(unsampled, sums.stride, part_of(run)));
+  return {std::move(source), std::move(sums), 0, color};
+}
+
 // `source_of(parts)`: their kernels in bricks; the parts are not needed any more.
 template <class SourceOf>
 KernelField modelled(const model::ModelRun& run, const SourceOf& source_of,
@@ -162,12 +189,11 @@ KernelField modelled(const model::ModelRun& run, const SourceOf& source_of,
     own.is_normalized = reconstruction == Reconstruction::kNormalized;
     auto source = source_of(parts);
     parts = {};
-    const int color = source->attributes().size() > 1 ? 1 : -1;
-    KernelField field(std::move(source), reconstruction, 0, color);
+    KernelField field = field_of(run, std::move(source), reconstruction);
     own.num_kernels = field.num_kernels();
     own.resident_bytes = field.source().resident_bytes();
     if (report == nullptr) return field;
-    report_kernels(field, own);
+    report_kernels(run, field, own);
     note_on_counts(dataset, own);
     *report = std::move(own);
     return field;

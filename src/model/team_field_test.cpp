@@ -7,9 +7,11 @@
 #include <map>
 
 #include "data/kernel_shape.h"
+#include "data/some_kernels.h"
 #include "model/noise.h"
 #include "model/test_datasets.h"
 #include "ovoid/kernel_team.h"
+#include "ovoid/look.h"
 #include "ovoid/model.h"
 #include "support/thread_team.h"
 
@@ -111,6 +113,14 @@ void expect_same(const KernelField& field, const KernelField& expected) {
   expect_range(field.color_range(), expected.color_range());
   for (std::size_t v = 0; v < a.attributes().size(); ++v)
     expect_range(a.attributes()[v].range, b.attributes()[v].range);
+  ASSERT_EQ(field.sums() == nullptr, expected.sums() == nullptr);
+  if (expected.sums() != nullptr) {
+    ASSERT_EQ(field.sums()->values.size(), expected.sums()->values.size());
+    for (std::size_t i = 0; i < expected.sums()->values.size(); ++i) {
+      const float sum = expected.sums()->values[i];
+      ASSERT_NEAR(field.sums()->values[i], sum, 1e-4 * std::abs(sum));
+    }
+  }
   EXPECT_NEAR(field.default_sampling_distance() / expected.default_sampling_distance(), 1, 1e-5);
   EXPECT_NEAR(field.refined_sampling_distance() / expected.refined_sampling_distance(), 1, 1e-5);
 }
@@ -200,6 +210,71 @@ TEST(TeamField, KeepsAShare) {
   const auto limit = 0.6 * static_cast<double>(alone.source().resident_bytes());
   for (const KernelField& field : fields)
     EXPECT_LT(static_cast<double>(field.source().resident_bytes()), limit);
+}
+
+// Centres and values of every `stride`-th kernel.
+std::vector<Eigen::Vector4d> every_kernel(const KernelSource& source, std::int64_t stride) {
+  std::vector<Eigen::Vector4d> kernels;
+  data::for_every_kernel(
+      source, stride, [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
+        kernels.emplace_back();
+        kernels.back() << brick.origin + data::offset_of(view, i), view.value[0][i];
+      });
+  return kernels;
+}
+
+// Which one process counts out of all of them. Bricks have fewer than some of the strides, and a
+// process as few as none.
+TEST(TeamField, EverySoManyth) {
+  const Dataset whole = points_dataset(DatasetKind::kParticles, crowds(3000, 11));
+  const KernelField alone = make_kernel_field(whole);
+  const std::vector<Eigen::Vector4d> all = every_kernel(alone.source(), 1);
+  for (const int count : {1, 3, 7}) {
+    Room room(count);
+    const auto fields = run_as_team(room, [&](const std::shared_ptr<KernelTeam>& team) {
+      return make_team_field(share_of(whole, team->number(), count), {}, team);
+    });
+    for (const std::int64_t stride : {2, 5, 64, 1000, 2999, 4000}) {
+      SCOPED_TRACE(::testing::Message() << count << " processes, every " << stride << "th");
+      const std::vector<Eigen::Vector4d> found = every_kernel(fields.back().source(), stride);
+      ASSERT_EQ(found.size(), (all.size() + stride - 1) / stride);
+      for (std::size_t i = 0; i < found.size(); ++i)
+        EXPECT_LE((found[i] - all[i * stride]).norm(), 1e-6 * all[i * stride].norm());
+    }
+  }
+}
+
+// To make the field and to choose a look, each process looks at the kernels around its part alone,
+// and at every so many-th of all.
+TEST(TeamField, LooksAreMadeTogether) {
+  constexpr int kProcesses = 4;
+  Random random(12);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 150'000; ++i)
+    points.emplace_back(random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1));
+  Dataset whole = points_dataset(DatasetKind::kParticles, points);
+  add_column(whole, "h", [](std::size_t) { return 0.02F; });
+  KernelModelOptions options;
+  options.is_density = true;
+  const Look alone = default_look(Field(make_kernel_field(whole, options)));
+  Room room(kProcesses);
+  const auto looks = run_as_team(room, [&](const std::shared_ptr<KernelTeam>& team) {
+    KernelModelReport report;
+    const KernelField field = make_team_field(share_of(whole, team->number(), kProcesses),
+                                              {options, 64 << 20}, team, &report);
+    return default_look(Field(field));
+  });
+  for (const Look& look : looks) {
+    ASSERT_EQ(look.transfer_function.opacities.size(), alone.transfer_function.opacities.size());
+    for (std::size_t i = 0; i < alone.transfer_function.opacities.size(); ++i)
+      EXPECT_NEAR(look.transfer_function.opacities[i].x, alone.transfer_function.opacities[i].x,
+                  1e-3 * alone.transfer_function.hi());
+  }
+  // If each fetched all of the others' once, it would be as many.
+  constexpr std::int64_t kColumns = 3 + 1 + 1 + 1;
+  const auto num_bytes = std::ssize(points) * kColumns * std::int64_t{sizeof(float)};
+  EXPECT_LT(room.num_fetched_bytes(), (kProcesses - 1) * num_bytes);
+  EXPECT_GT(room.num_fetched_bytes(), 0);
 }
 
 TEST(TeamField, OneThatFailsEndsAll) {

@@ -9,9 +9,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "data/field_samples.h"
 #include "data/kernel_shape.h"
+#include "data/letters.h"
 #include "data/parallel.h"
 #include "data/scalar_visit.h"
 #include "view/field_samples.h"
@@ -209,26 +211,56 @@ class SlabOfBlocks {
   const float inverse_count_;
 };
 
+// Layers of cells: who makes which, and everybody gets all.
+class Slabs {
+ public:
+  Slabs(std::int64_t count, KernelTeam* team) : count_(count), team_(team) {}
+
+  std::int64_t begin() const { return team_ == nullptr ? 0 : end_of(team_->number()); }
+  std::int64_t end() const { return team_ == nullptr ? count_ : end_of(team_->number() + 1); }
+
+  // `layers`: those of all slabs, `size` cells each, of which this process has made its own.
+  void gather(std::span<float> layers, std::size_t size) const {
+    if (team_ == nullptr) return;
+    const auto own = layers.subspan(static_cast<std::size_t>(begin()) * size,
+                                    static_cast<std::size_t>(end() - begin()) * size);
+    auto to = layers.begin();
+    for (const std::vector<float>& from :
+         data::gathered(*team_, std::span<const float>(own.data(), own.size())))
+      to = std::copy(from.begin(), from.end(), to);
+  }
+
+ private:
+  std::int64_t end_of(int process) const { return count_ * process / team_->count(); }
+
+  std::int64_t count_;
+  KernelTeam* team_;
+};
+
 ExtinctionLattice of_lattice(const LatticeField& field, const Absorber& absorber, int threads,
-                             const std::stop_token& stop) {
+                             const std::stop_token& stop, KernelTeam* team) {
   const BrickSource& source = field.samples();
   const Blocks blocks = blocks_of(source.geometry());
   ExtinctionLattice out = lattice_around(source.geometry(), blocks);
-  const SlabOfBlocks slabs(source, absorber, blocks, out);
+  const SlabOfBlocks slab_of_blocks(source, absorber, blocks, out);
+  const Slabs slabs(blocks.count[2], team);
   // A range of slabs reads most of its bricks once.
   const std::int64_t grain =
       std::max<std::int64_t>(1, source.brick_edge() / std::max<std::int64_t>(1, blocks.edge[2]));
-  data::parallel_ranges({blocks.count[2], grain, threads, stop},
+  data::parallel_ranges({slabs.end() - slabs.begin(), grain, threads, stop},
                         [&](std::int64_t begin, std::int64_t end) {
-                          for (std::int64_t slab = begin; slab < end; ++slab) slabs.add(slab);
+                          for (std::int64_t slab = begin; slab < end; ++slab)
+                            slab_of_blocks.add(slabs.begin() + slab);
                         });
+  const auto layer = static_cast<std::size_t>(out.dims[0] * out.dims[1]);
+  slabs.gather(std::span(out.extinction).subspan(layer, layer * blocks.count[2]), layer);
   return out;
 }
 
 // Sums of a set's kernels at the middles of one slab of cells.
-class KernelSums {
+class SlabSums {
  public:
-  KernelSums(const KernelField& field, const ExtinctionLattice& lattice)
+  SlabSums(const KernelField& field, const ExtinctionLattice& lattice)
       : field_(field),
         source_(field.source()),
         dims_(lattice.dims),
@@ -318,7 +350,7 @@ class KernelSums {
 };
 
 ExtinctionLattice of_kernels(const KernelField& field, const Absorber& absorber, int threads,
-                             const std::stop_token& stop) {
+                             const std::stop_token& stop, KernelTeam* team) {
   const Bounds3 box = field.world_bounds();
   const double longest = box.sizes().maxCoeff();
   const double edge = longest / wanted_cells(longest / field.default_sampling_distance());
@@ -333,14 +365,18 @@ ExtinctionLattice of_kernels(const KernelField& field, const Absorber& absorber,
   out.world_from_cell =
       Eigen::Translation3d(box.center() - half) * Eigen::Scaling(Vec3::Constant(edge));
   out.extinction.assign(num_cells(out.dims), 0.0F);
-  const KernelSums sums(field, out);
+  const SlabSums sums(field, out);
   const auto per_slab = static_cast<std::size_t>(out.dims[0] * out.dims[1]);
-  data::parallel_ranges({out.dims[2], 1, threads, stop}, [&](std::int64_t slab, std::int64_t) {
+  const Slabs slabs(out.dims[2], team);
+  const std::int64_t num_own = slabs.end() - slabs.begin();
+  data::parallel_ranges({num_own, 1, threads, stop}, [&](std::int64_t of_own, std::int64_t) {
+    const std::int64_t slab = slabs.begin() + of_own;
     const std::vector<float> values = sums.values(slab);
     std::transform(values.begin(), values.end(),
                    out.extinction.begin() + static_cast<std::ptrdiff_t>(slab * per_slab),
                    [&](float value) { return absorber(value); });
   });
+  slabs.gather(out.extinction, per_slab);
   return out;
 }
 
@@ -369,11 +405,11 @@ void cut(const std::vector<ClipPlane>& planes, ExtinctionLattice& lattice) {
 
 ExtinctionLattice extinction_lattice(const Field& field, const Look& look,
                                      const std::vector<ClipPlane>& clip_planes, int threads,
-                                     const std::stop_token& stop) {
+                                     const std::stop_token& stop, KernelTeam* team) {
   const Absorber absorber(field, look);
   ExtinctionLattice out = field.kernels() != nullptr
-                              ? of_kernels(*field.kernels(), absorber, threads, stop)
-                              : of_lattice(*field.lattice(), absorber, threads, stop);
+                              ? of_kernels(*field.kernels(), absorber, threads, stop, team)
+                              : of_lattice(*field.lattice(), absorber, threads, stop, team);
   cut(clip_planes, out);
   return out;
 }

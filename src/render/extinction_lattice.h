@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ovoid/field.h"
+#include "ovoid/kernel_team.h"
 #include "ovoid/look.h"
 #include "ovoid/render_options.h"
 
@@ -44,10 +45,11 @@ inline constexpr int kMostLightCells = 128;
 double extinction_of(const Look& look, double value);
 
 // `unit_distance` of the look is set. Clip planes take away what they cut. A pass over the samples
-// that can show, or over all kernels. Throws Error(kCancelled), and what the field's source throws.
+// that can show, or over all kernels; by a team, each process makes some slabs of it, and all call
+// it. Throws Error(kCancelled), and what the field's source and the team throw.
 ExtinctionLattice extinction_lattice(const Field& field, const Look& look,
                                      const std::vector<ClipPlane>& clip_planes, int threads,
-                                     const std::stop_token& stop);
+                                     const std::stop_token& stop, KernelTeam* team = nullptr);
 
 // Mixes in what another lattice absorbs, read between its cells' middles, at the middles of all
 // cells of `sum`, which gets as many more around it as the other reaches beyond it: added, or where

@@ -83,14 +83,14 @@ Look with_unit_distance(Look look) {
 }
 
 ExtinctionLattice extinction_of_scene(const LitScene& scene, int threads,
-                                      const std::stop_token& stop) {
+                                      const std::stop_token& stop, KernelTeam* team) {
   if (scene.solid != nullptr) return solid_lattice(*scene.solid, scene.clip_planes, threads, stop);
   ExtinctionLattice all = extinction_lattice(scene.field, with_unit_distance(scene.look),
-                                             scene.clip_planes, threads, stop);
+                                             scene.clip_planes, threads, stop, team);
   if (scene.mixing == Mixing::kColored) return all;
   for (const FurtherVolume& volume : scene.further) {
     mix_extinction(extinction_lattice(volume.field, with_unit_distance(volume.look),
-                                      scene.clip_planes, threads, stop),
+                                      scene.clip_planes, threads, stop, team),
                    scene.mixing, all);
   }
   return all;
@@ -143,7 +143,7 @@ bool has_light_volume(const Look& look) {
 }
 
 LightVolumes::Kept& LightVolumes::kept_for(const LitScene& scene, int threads,
-                                           const std::stop_token& stop) {
+                                           const std::stop_token& stop, KernelTeam* team) {
   Key key = key_of(scene);
   const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) {
     return kept.key == key && std::equal(kept.surfaces.begin(), kept.surfaces.end(),
@@ -154,7 +154,7 @@ LightVolumes::Kept& LightVolumes::kept_for(const LitScene& scene, int threads,
     return kept_.front();
   }
   Kept fresh;
-  fresh.extinction = extinction_of_scene(scene, threads, stop);
+  fresh.extinction = extinction_of_scene(scene, threads, stop, team);
   fresh.diagonal = diagonal_of(fresh.extinction);
   if (!scene.geometry.empty())
     fresh.sides = add_surfaces(scene.geometry, threads, stop, fresh.extinction);
@@ -169,10 +169,10 @@ LightVolumes::Kept& LightVolumes::kept_for(const LitScene& scene, int threads,
 }
 
 const view::LightVolume* LightVolumes::at(const LitScene& scene, int threads,
-                                          const std::stop_token& stop) {
+                                          const std::stop_token& stop, KernelTeam* team) {
   const Look& look = scene.look;
   if (!has_light_volume(look)) return nullptr;
-  Kept& kept = kept_for(scene, threads, stop);
+  Kept& kept = kept_for(scene, threads, stop, team);
   if (look.occlusion > 0 && kept.around.empty())
     kept.around = light_from_everywhere(kept.extinction, kept.diagonal, threads, stop);
   const bool has_key = has_key_light(look);

@@ -50,9 +50,10 @@ struct LitScene {
 
 class LightVolumes {
  public:
-  // The light of a frame. Null where the look has none. Valid until the next call. Throws
-  // Error(kCancelled), and what the fields' sources throw.
-  const view::LightVolume* at(const LitScene& scene, int threads, const std::stop_token& stop);
+  // The light of a frame. Null where the look has none. Valid until the next call. By a team all
+  // call it. Throws Error(kCancelled), and what the fields' sources and the team throw.
+  const view::LightVolume* at(const LitScene& scene, int threads, const std::stop_token& stop,
+                              KernelTeam* team = nullptr);
 
  private:
   // What an extinction is made of, as numbers that are compared.
@@ -69,7 +70,8 @@ class LightVolumes {
     Key strengths;  // what the volume is made of
     view::LightVolume volume;
   };
-  Kept& kept_for(const LitScene& scene, int threads, const std::stop_token& stop);
+  Kept& kept_for(const LitScene& scene, int threads, const std::stop_token& stop,
+                 KernelTeam* team);
 
   std::vector<Kept> kept_;  // the last used first
 };

@@ -13,6 +13,7 @@
 #include "render/light_sweep.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
+#include "support/thread_team.h"
 #include "support/volumes.h"
 
 namespace ovoid {
@@ -303,6 +304,29 @@ TEST(LightVolume, IsOfAllVolumes) {
   const view::ArrivingLight behind =
       light_of(0.05, {thin(test::constant_field({32, 32, 32}, 1, beside), 0.05)});
   EXPECT_NEAR(behind.key, alone.key, 2e-3);
+}
+
+// To the bit that of one process; each makes some slabs, or where there are few, none.
+TEST(LightVolume, ATeamMakesItTogether) {
+  const KernelField kernels(test::jittered_ellipsoids(9).source(), Reconstruction::kNormalized);
+  const KernelField sum(test::jittered_balls(7).source(), Reconstruction::kSum);
+  for (const Field& field : {cloud_field(), Field(kernels), Field(sum)}) {
+    const Look look = cloud_look();
+    LightVolumes lights;
+    const view::LightVolume alone = *lights.at({field, look, {}}, 2, {});
+    for (const int count : {2, 3, 40}) {
+      testing::Room room(count);
+      const auto together =
+          testing::run_as_team(room, [&](const std::shared_ptr<KernelTeam>& team) {
+            LightVolumes own;
+            return *own.at({field, look, {}}, 1, {}, team.get());
+          });
+      for (const view::LightVolume& volume : together) {
+        EXPECT_EQ(volume.dims, alone.dims);
+        EXPECT_TRUE(volume.packed == alone.packed) << count << " processes";
+      }
+    }
+  }
 }
 
 // Fails if a place that is no number, as of a surface's corner out of all sight, is looked up.

@@ -429,6 +429,7 @@ Frame Renderer::Impl::draw_each(const Field& field, const Camera& camera, const 
   const auto part_of_hooks = [&](std::size_t i) {
     RenderHooks part;  // of the picture so far there is none
     part.stop = hooks.stop;
+    part.team = hooks.team;
     if (hooks.progress) {
       part.progress = [&hooks, i, count = further.size() + 1](double done) {
         hooks.progress((static_cast<double>(i) + done) / static_cast<double>(count));
@@ -479,8 +480,9 @@ Image Renderer::Impl::trail_alone(const FrameJob& job, FrameProfile& profile) co
 
 Renderer::Impl::LitBy Renderer::Impl::light_for(const LitScene& scene, const RenderHooks& hooks) {
   try {
-    return {lights.at(scene, machine.runner->num_wanted(), hooks.stop), {}};
+    return {lights.at(scene, machine.runner->num_wanted(), hooks.stop, hooks.team.get()), {}};
   } catch (const std::bad_alloc&) {
+    if (hooks.team) throw;  // the others have light, or wait for this one
     lights = {};
     return {nullptr, "light volume: no memory for it; drawn without occlusion and shadows"};
   }

@@ -10,7 +10,6 @@
 
 #include "data/kernel_shape.h"
 #include "data/out_of_memory.h"
-#include "data/some_kernels.h"
 
 namespace ovoid::view {
 
@@ -34,22 +33,22 @@ std::vector<float> repeated(const std::vector<float>& values, const std::vector<
 }  // namespace
 
 FieldSamples take_samples(const KernelField& field) try {
-  constexpr std::int64_t kWantedSums = 4096;
-  const KernelSource& source = field.source();
-  const bool is_sum = field.reconstruction() == Reconstruction::kSum;
-  ValuesAtKernels values(field);
+  const KernelShape shape = field.source().shape();
   FieldSamples samples;
   std::vector<float> weights;
-  data::for_some_kernels(
-      source, is_sum ? kWantedSums : data::kWantedSamples,
-      [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
-        samples.values.push_back(static_cast<float>(values.at(brick, view, i)));
-        if (is_sum) return;
-        const std::array<float, 6> shape = data::shape_numbers(view, source.shape(), i);
-        const double volume = data::factor_of(source.shape(), shape.data()).determinant();
-        weights.push_back(static_cast<float>(std::sqrt(std::abs(volume))));
-      });
-  if (!is_sum) samples.values = repeated(samples.values, weights);
+  if (field.sums() != nullptr) {
+    samples.values = field.sums()->values;
+  } else {
+    for_values_at_kernels(
+        field, data::kWantedSamples,
+        [&](const KernelBrick& /*brick*/, const KernelView& view, std::int32_t i, float value) {
+          const std::array<float, 6> numbers = data::shape_numbers(view, shape, i);
+          samples.values.push_back(value);
+          weights.push_back(static_cast<float>(
+              std::sqrt(std::abs(data::factor_of(shape, numbers.data()).determinant()))));
+        });
+    samples.values = repeated(samples.values, weights);
+  }
   std::sort(samples.values.begin(), samples.values.end());
   return samples;
 } catch (const std::bad_alloc&) {

@@ -16,7 +16,6 @@
 #include "data/kernel_shape.h"
 #include "data/out_of_memory.h"
 #include "data/sample_reader.h"
-#include "data/some_kernels.h"
 #include "data/validate.h"
 #include "ovoid/look.h"
 #include "view/field_samples.h"
@@ -149,11 +148,10 @@ struct SomeKernels {
 SomeKernels some_kernels(const KernelField& field) {
   constexpr std::int64_t kWanted = 4096;
   const KernelSource& source = field.source();
-  view::ValuesAtKernels values(field);
   SomeKernels some;
-  data::for_some_kernels(
-      source, kWanted, [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
-        const double value = values.at(brick, view, i);
+  view::for_values_at_kernels(
+      field, kWanted,
+      [&](const KernelBrick& brick, const KernelView& view, std::int32_t i, float value) {
         if (!std::isfinite(value)) return;
         const std::array<float, 6> shape = data::shape_numbers(view, source.shape(), i);
         const double volume = std::abs(data::factor_of(source.shape(), shape.data()).determinant());

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "data/kernel_shape.h"
 #include "data/scalar_visit.h"
 #include "data/some_kernels.h"
+#include "view/field_samples.h"
 #include "view/isosurfaces.h"
 #include "view/look_2d.h"
 #include "view/look_table.h"
@@ -16,7 +16,6 @@ namespace ovoid::view {
 namespace {
 
 constexpr std::int64_t kWantedPoints = 500'000;
-constexpr std::int64_t kWantedSums = 8192;  // each takes a sum over its neighbours
 
 double sample_value(const BrickSource& source, const BrickView& view, const Index3& at) {
   const std::int64_t place = (at[0] - view.lo[0]) + (at[1] - view.lo[1]) * view.stride_y +
@@ -132,23 +131,20 @@ void add_kernels(const KernelField& field, const Extinction& extinction,
                  const std::vector<ClipPlane>& planes, const VisiblePointSink& sink) {
   const KernelSource& source = field.source();
   const bool is_sum = field.reconstruction() == Reconstruction::kSum;
-  std::optional<KernelSampler> sampler;
-  if (is_sum) sampler.emplace(field);
   const double integral = profile_integral(source.profile(), source.cutoff());
   const auto attribute = static_cast<std::size_t>(field.attribute());
-  const std::int64_t wanted = is_sum ? kWantedSums : kWantedPoints;
-  const auto stands_for =
-      static_cast<double>(std::max<std::int64_t>(1, source.num_kernels() / wanted));
+  const auto stands_for = static_cast<double>(
+      is_sum ? field.sums()->stride : data::stride_for(source.num_kernels(), kWantedPoints));
   constexpr double kReach = 1.5;  // sigmas
-  data::for_some_kernels(
-      source, wanted, [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
+  for_values_at_kernels(
+      field, kWantedPoints,
+      [&](const KernelBrick& brick, const KernelView& view, std::int32_t i, double value) {
         const Vec3 place = brick.origin + data::offset_of(view, i);
         if (!is_kept(place, planes)) return;
         const Mat3 factor =
             data::factor_of(source.shape(), data::shape_numbers(view, source.shape(), i).data());
         const double content = data::weight_of(view, i) * integral * std::abs(factor.determinant());
         const double own = view.value[attribute][i];
-        const double value = is_sum ? sampler->at(place).value : own;
         const double volume = is_sum && value != 0 ? std::abs(content * own / value) : content;
         const double here = extinction.at(static_cast<float>(value));
         if (here > 0) sink({place, here * volume * stands_for, factor * kReach});

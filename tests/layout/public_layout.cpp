@@ -70,6 +70,7 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(KernelField),
     OVOID_TYPE(KernelSample),
     OVOID_TYPE(KernelSampler),
+    OVOID_TYPE(KernelSums),
     OVOID_TYPE(ValueRange),
     OVOID_TYPE(LatticeKernel),
     OVOID_TYPE(LatticeGeometry),

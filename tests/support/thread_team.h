@@ -2,7 +2,9 @@
 // Threads of one process as a team, for tests of what processes do together.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -39,6 +41,12 @@ class Room {
     changed_.notify_all();
   }
 
+  // Of all answers that were fetched.
+  std::int64_t num_fetched_bytes() const { return num_fetched_bytes_; }
+  void add_fetched_bytes(std::size_t count) {
+    num_fetched_bytes_ += static_cast<std::int64_t>(count);
+  }
+
   // The answers of all, by process.
   std::vector<std::vector<KernelTeam::Answer>>& answers() { return answers_; }
 
@@ -62,6 +70,7 @@ class Room {
   std::condition_variable changed_;
   int present_ = 0, round_ = 0;
   bool has_failed_ = false;
+  std::atomic<std::int64_t> num_fetched_bytes_ = 0;
 };
 
 class ThreadTeam final : public KernelTeam {
@@ -78,9 +87,11 @@ class ThreadTeam final : public KernelTeam {
     return static_cast<int>(own.size()) - 1;
   }
   std::vector<std::byte> fetch(int process, int question, std::int64_t number) const override {
-    return room_.answers()
-        .at(static_cast<std::size_t>(process))
-        .at(static_cast<std::size_t>(question))(number);
+    std::vector<std::byte> answer = room_.answers()
+                                        .at(static_cast<std::size_t>(process))
+                                        .at(static_cast<std::size_t>(question))(number);
+    room_.add_fetched_bytes(answer.size());
+    return answer;
   }
 
  private:

@@ -151,9 +151,9 @@ struct Sum {
   float missing = 0;  // weights of samples that are not there
 };
 
-class KernelSums {
+class PlaneSums {
  public:
-  KernelSums(const SpaceTime& space_time, const HyperplaneFrame& frame,
+  PlaneSums(const SpaceTime& space_time, const HyperplaneFrame& frame,
              const LatticeGeometry& lattice, const HypersliceOptions& options)
       : space_time_(space_time),
         frame_(frame),
@@ -263,7 +263,7 @@ Dataset interpolated(const Series& series, const StepValues& steps, const SpaceT
                      const HyperplaneFrame& frame, const HypersliceOptions& options) {
   const LatticeGeometry in_plane =
       lattice_in_plane(frame, options.lattice.value_or(own_kind(series)), options.spacing);
-  KernelSums sums(space_time, frame, in_plane, options);
+  PlaneSums sums(space_time, frame, in_plane, options);
   for (std::int64_t step = 0; step < series.num_steps(); ++step) {
     // A step that the plane does not come near is not read.
     if (frame.dropped() == 3 && frame.is_across_axis() &&

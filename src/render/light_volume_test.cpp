@@ -311,7 +311,8 @@ TEST(LightVolume, ATeamMakesItTogether) {
   const KernelField kernels(test::jittered_ellipsoids(9).source(), Reconstruction::kNormalized);
   const KernelField sum(test::jittered_balls(7).source(), Reconstruction::kSum);
   for (const Field& field : {cloud_field(), Field(kernels), Field(sum)}) {
-    const Look look = cloud_look();
+    Look look = cloud_look();
+    look.occlusion = look.shadows = 1;
     LightVolumes lights;
     const view::LightVolume alone = *lights.at({field, look, {}}, 2, {});
     for (const int count : {2, 3, 40}) {

@@ -93,7 +93,8 @@ const Table<LabelFlags>& label_settings() {
        for_data({DatasetKind::kLattice}, "lattices"), lit, alone, not_with("labels", kGiveOne)},
       {"--label-table", word("FILE|JSON", Content::kLabels), &L::table,
        "names and colours of labels: .ctbl, .seg.nrrd, ITK-SNAP's or FreeSurfer's text, BIDS' "
-       "dseg.tsv, or JSON itself, as {\"1\": \"liver\", \"2\": [\"spleen\", \"#c05030\"]} (default: the "
+       "dseg.tsv, or JSON itself, as {\"1\": \"liver\", \"2\": [\"spleen\", \"#c05030\"]} "
+       "(default: the "
        "label file's own, if it has one)",
        lit},
       {"--label-opacity",

@@ -33,9 +33,9 @@ void take_from_model(DataFlags* data, ModelFlags* model) {
 }
 
 Series open_series(const DataFlags& data, const Session& session, bool prefetch) {
-  return Series(data.steps != nullptr ? data.steps
-                                      : open_steps(data.inputs, read_options(data, session)),
-                {.memory_limit = data.memory_limit.value_or(kMemoryOfSteps), .prefetch = prefetch});
+  return Series(
+      data.steps != nullptr ? data.steps : open_steps(data.inputs, read_options(data, session)),
+      {.memory_limit = data.memory_limit.value_or(kMemoryOfSteps), .prefetch = prefetch});
 }
 
 namespace {

@@ -230,8 +230,8 @@ std::shared_ptr<Picture> Scene::draw(const Asked& asked, Manner manner, Work& wo
   picture->shot = cli::make_shot(*subject_, &drawing, session);
   cli::Shot& shot = picture->shot;
   cli::FrameSubject drawn = cli::frame_subject(*subject_, shot, drawing);
-  const std::optional<Trail> trail = cli::trail_of(request.data, drawing, subject_->modelled,
-                                                   outline_.step, shot.look, session);
+  const std::optional<Trail> trail =
+      cli::trail_of(request.data, drawing, subject_->modelled, outline_.step, shot.look, session);
   if (trail) drawn.trail = &*trail;
 
   RenderOptions options = drawing.options;

@@ -9,9 +9,9 @@
 namespace ovoid::python {
 namespace {
 
-constexpr const char* kTimeFlags[] = {"step",         "time",          "time-filter",
-                                     "hyperslice",   "slice-method",  "slice-lattice",
-                                     "slice-spacing", "motion-blur"};
+constexpr const char* kTimeFlags[] = {"step",          "time",         "time-filter",
+                                      "hyperslice",    "slice-method", "slice-lattice",
+                                      "slice-spacing", "motion-blur"};
 
 bool is_of_time(const std::string& flag) {
   return std::any_of(std::begin(kTimeFlags), std::end(kTimeFlags),

@@ -82,10 +82,9 @@ def test_a_written_series_is_the_same(tmp_path, kind):
     series = ovoid.series([make(step) for step in range(12)], times=np.cumsum([0.1] * 12), **place)
     ovoid.write(tmp_path / "data.pvd", series)
     for settings in ({"time": 0.37}, {"step": 4, "motion_blur": 0.25}):
-        given = {**settings, **({"array": "heat"} if kind == "particles" else {})}
-        picture = ovoid.render(series, **given, **SMALL)
+        picture = ovoid.render(series, **settings, **SMALL)
         assert picture.command.startswith("ovoid render data.pvd ")
-        assert png(picture) == png(ovoid.render(tmp_path / "data.pvd", **given, **SMALL))
+        assert png(picture) == png(ovoid.render(tmp_path / "data.pvd", **settings, **SMALL))
     assert ovoid.info(tmp_path / "data.pvd")["times"] == ovoid.info(series)["times"] == list(np.cumsum([0.1] * 12))
 
 

@@ -16,7 +16,7 @@ namespace {
 
 using Steps = std::vector<std::shared_ptr<const Dataset>>;
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void refuse_steps(const std::string& message) {
   throw Error(ErrorCode::kInvalidArgument, message);
 }
 
@@ -34,8 +34,8 @@ std::vector<double> own_times(const Steps& steps) {
     if (!time) return {};
     times.push_back(*time);
   }
-  const bool is_one = std::all_of(times.begin(), times.end(),
-                                  [&](double time) { return time == times.front(); });
+  const bool is_one =
+      std::all_of(times.begin(), times.end(), [&](double time) { return time == times.front(); });
   return is_one && times.size() > 1 ? std::vector<double>() : times;
 }
 
@@ -43,9 +43,9 @@ class MemorySteps final : public StepSource {
  public:
   MemorySteps(std::string name, Steps steps, const StepTimes& times)
       : name_(std::move(name)), steps_(std::move(steps)) {
-    if (steps_.empty()) refuse(fmt::format("{}: has no steps, expected at least one", name_));
+    if (steps_.empty()) refuse_steps(fmt::format("{}: has no steps, expected at least one", name_));
     for (std::size_t i = 0; i < steps_.size(); ++i)
-      if (steps_[i] == nullptr) refuse(fmt::format("{}: step {}: is null", name_, i));
+      if (steps_[i] == nullptr) refuse_steps(fmt::format("{}: step {}: is null", name_, i));
     times_ = times.values.empty() ? own_times(steps_) : times.values;
     unit_ = times.unit.empty() ? steps_.front()->time_unit : times.unit;
     has_times_ = !times_.empty();
@@ -66,7 +66,7 @@ class MemorySteps final : public StepSource {
 
   Dataset read(std::int64_t step, std::stop_token /*stop*/) const override {
     if (step < 0 || step >= num_steps()) {
-      refuse(fmt::format("{}: step {}: expected 0 to {}", name_, step, num_steps() - 1));
+      refuse_steps(fmt::format("{}: step {}: expected 0 to {}", name_, step, num_steps() - 1));
     }
     Dataset dataset = *steps_[static_cast<std::size_t>(step)];
     dataset.num_steps = num_steps();
@@ -84,7 +84,7 @@ class MemorySteps final : public StepSource {
       try {
         likeness.check(*steps_[i], static_cast<std::int64_t>(i));
       } catch (const Error& error) {
-        refuse(error.what());
+        refuse_steps(error.what());
       }
       for (const DataArray& array : steps_[i]->arrays) {
         if (array.stored == nullptr) continue;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steps in memory. Fails if one is copied, keeps what it says of other steps, has another's time, or
-// if steps that are no series are taken for one.
+// Steps in memory. Fails if one is copied, keeps what it says of other steps, has another's time,
+// or if steps that are no series are taken for one.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -129,8 +129,7 @@ TEST(MemorySteps, RefuseWhatIsNoSeries) {
   other.arrays.push_back(other.arrays[0]);
   other.arrays[0].name = "others";
   other.arrays[1].name = "more";
-  EXPECT_NE(refusal_of({rows(1)[0], kept(other)}).find("has no array 'values'"),
-            std::string::npos);
+  EXPECT_NE(refusal_of({rows(1)[0], kept(other)}).find("has no array 'values'"), std::string::npos);
 }
 
 }  // namespace

@@ -90,9 +90,10 @@ void check_extent(const ModelRun& run, const std::vector<double>& positions) {
   if (bounds.isEmpty()) return;
   const double extent = bounds.sizes().maxCoeff();
   if (extent == 0 || (extent >= kLeastExtent && extent <= kMostExtent)) return;
-  refuse_input(fmt::format("'{}': its positions extend over {:g}, expected {} to {:.0e}; give "
-                           "lengths in another unit",
-                           run.dataset.source, extent, kLeastExtent, kMostExtent));
+  refuse_input(
+      fmt::format("'{}': its positions extend over {:g}, expected {} to {:.0e}; give "
+                  "lengths in another unit",
+                  run.dataset.source, extent, kLeastExtent, kMostExtent));
 }
 
 }  // namespace

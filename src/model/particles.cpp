@@ -302,10 +302,11 @@ void check_densities(const ModelRun& run, const KernelParts& parts, double integ
   greatest = greatest_of(run, greatest);
   using Values = std::numeric_limits<float>;
   if (greatest == 0 || (greatest >= Values::min() && greatest <= Values::max())) return;
-  throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("'{}': its density is up to about {:.2g}, expected {:.2g} to {:.2g}; give "
-                          "lengths or masses in another unit",
-                          run.dataset.source, greatest, Values::min(), Values::max()));
+  throw Error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("'{}': its density is up to about {:.2g}, expected {:.2g} to {:.2g}; give "
+                  "lengths or masses in another unit",
+                  run.dataset.source, greatest, Values::min(), Values::max()));
 }
 
 // Densities: v w = m / integral. The two share it so that neither leaves float32's range where

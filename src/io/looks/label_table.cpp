@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names and colours of labels. What their files have in common: a line for each label, its number
-// first. Behind it come a name and colours, or, in ITK-SNAP's, colours and a name in quotes. JSON is
-// our own: {"1": "liver", "2": ["spleen", "#c05030", 0.5]}.
+// first. Behind it come a name and colours, or, in ITK-SNAP's, colours and a name in quotes. JSON
+// is our own: {"1": "liver", "2": ["spleen", "#c05030", 0.5]}.
 #include <fmt/format.h>
 
 #include <algorithm>

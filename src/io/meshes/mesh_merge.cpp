@@ -356,11 +356,9 @@ DataArray zeros_at_nodes(const Dataset& dataset) {
   return array;
 }
 
-// Of particles other arrays tell sizes, masses and numbers.
 void leave_wanted_array(Dataset& dataset, const std::string& wanted) {
   if (wanted.empty()) return;
   DataArray array = dataset.array(wanted);
-  if (dataset.kind == DatasetKind::kParticles) return;
   dataset.arrays.clear();
   dataset.arrays.push_back(std::move(array));
 }

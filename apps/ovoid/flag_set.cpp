@@ -18,7 +18,8 @@ using Json = FlagSet::Json;
 
 // A file's name, or JSON itself.
 bool may_be_json(const FlagForm& form) {
-  return form.content == Content::kLook || form.content == Content::kCamera;
+  return form.content == Content::kLook || form.content == Content::kCamera ||
+         form.content == Content::kLabels;
 }
 
 [[noreturn]] void refuse(const std::string& message) {
@@ -77,7 +78,7 @@ void check_value(const FlagForm& form, const Json& value) {
     case FlagKind::kValue:
       if (is_text(value)) return;
       if (!may_be_json(form)) refuse_value(name, value, "a string");
-      if (form.content == Content::kCamera && !value.is_object())
+      if (form.content != Content::kLook && !value.is_object())
         refuse_value(name, value, "a string or an object");
       if (!value.is_object() && !is_list(value, is_object))
         refuse_value(name, value, "a string, an object or an array of objects");

@@ -91,9 +91,11 @@ const Table<LabelFlags>& label_settings() {
        "draw data that are labels by their surfaces, whatever the look says (default where nothing "
        "says how they are drawn)",
        for_data({DatasetKind::kLattice}, "lattices"), lit, alone, not_with("labels", kGiveOne)},
-      {"--label-table", word("FILE", Content::kFile), &L::table,
+      {"--label-table", word("FILE|JSON", Content::kLabels), &L::table,
        "names and colours of labels: .ctbl, .seg.nrrd, ITK-SNAP's or FreeSurfer's text, BIDS' "
-       "dseg.tsv (default: the label file's own, if it has one)",
+       "dseg.tsv, or JSON itself, as {\"1\": \"liver\", \"2\": [\"spleen\", \"#c05030\"]} "
+       "(default: the "
+       "label file's own, if it has one)",
        lit},
       {"--label-opacity",
        {"LABEL=A,...",

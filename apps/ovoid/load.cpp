@@ -33,8 +33,9 @@ void take_from_model(DataFlags* data, ModelFlags* model) {
 }
 
 Series open_series(const DataFlags& data, const Session& session, bool prefetch) {
-  return Series(open_steps(data.inputs, read_options(data, session)),
-                {.memory_limit = data.memory_limit.value_or(kMemoryOfSteps), .prefetch = prefetch});
+  return Series(
+      data.steps != nullptr ? data.steps : open_steps(data.inputs, read_options(data, session)),
+      {.memory_limit = data.memory_limit.value_or(kMemoryOfSteps), .prefetch = prefetch});
 }
 
 namespace {
@@ -71,6 +72,13 @@ void require_steps(const Dataset& dataset) {
   if (dataset.num_steps > 1) return;
   throw Error(ErrorCode::kInvalidArgument,
               fmt::format("--time: '{}' has one step", dataset.source));
+}
+
+// The step that is named, or is shown without a name.
+Dataset read_step(const DataFlags& data, const ReadOptions& options) {
+  if (data.steps == nullptr) return read_dataset(data.inputs, options);
+  return data.step ? data.steps->read(*data.step, options.stop)
+                   : step_to_show(*data.steps, options.array, options.stop);
 }
 
 // Made of the steps around the time; a note tells which.
@@ -139,7 +147,7 @@ Dataset load(const DataFlags& data, Session& session) {
   options.progress = progress.callback();
   // Between steps all of their samples are needed.
   if (!data.time) options.memory_limit = static_cast<std::int64_t>(data.memory_limit.value_or(0));
-  Dataset dataset = read_dataset(data.inputs, options);
+  Dataset dataset = read_step(data, options);
   const bool is_half = dataset.series == SeriesKind::kStaggered && !data.step;
   if (dataset.share) agree_on_array(dataset, *session.team()->kernels());
   if (data.time || is_half) {

@@ -140,8 +140,8 @@ LabelSurfaces surfaces_for(const std::string& flag, const Field& field, const st
     if (error.code() == ErrorCode::kCancelled) throw;
     throw Error(error.code(), fmt::format("{}: '{}': {}", flag, source, error.what()));
   }
-  const std::string& file = drawing.labels.table;
-  surfaces.styles = label_styles(*surfaces.map, file.empty() ? table : read_label_table(file));
+  const std::string& own = drawing.labels.table;
+  surfaces.styles = label_styles(*surfaces.map, own.empty() ? table : table_of_flag(own));
   style_labels(surfaces.styles, drawing.labels);
   surfaces.shows_surfaces = !drawing.labels.are_flat;
   return surfaces;
@@ -161,6 +161,10 @@ bool is_segmentation(const Dataset& dataset) {
 std::vector<LabelEntry> table_of_file(const std::string& source, int layer) {
   if (!has_ending(source, kSegmentation)) return {};
   return read_label_table(source, layer);
+}
+
+std::vector<LabelEntry> table_of_flag(const std::string& value) {
+  return is_json(value) ? label_table_from_text(value, "--label-table") : read_label_table(value);
 }
 
 std::optional<MergedLayers> merged_layers(const Dataset& dataset, int component) {

@@ -29,6 +29,8 @@ std::optional<MergedLayers> merged_layers(const Dataset& dataset, int component)
 LabelSurfaces make_own_labels(const Field& field, const std::string& source,
                               const std::vector<LabelEntry>& table, const DrawingFlags& drawing,
                               Session& session);
+// The value of --label-table: a file, or JSON itself. Throws Error.
+std::vector<LabelEntry> table_of_flag(const std::string& value);
 // What a file says of the labels in one of its layers; nothing, if it is no segmentation.
 std::vector<LabelEntry> table_of_file(const std::string& source, int layer);
 

@@ -23,9 +23,9 @@ namespace ovoid::cli {
 enum class FlagKind { kToggle, kValue, kRepeatable, kOptionalValue };
 
 // What the text of a value stands for, beyond itself. kFile is the name of a file or folder that is
-// read; kLook and kCamera are a file's name or JSON itself; kOfRun is for the command line alone:
-// what a run writes, or takes its flags from.
-enum class Content { kText, kFile, kLook, kCamera, kOfRun };
+// read; kLook, kCamera and kLabels are a file's name or JSON itself; kOfRun is for the command line
+// alone: what a run writes, or takes its flags from.
+enum class Content { kText, kFile, kLook, kCamera, kLabels, kOfRun };
 
 // What a rule finds in the text of a value, as its message shows it; none: the rule is about other
 // values. A value that cannot be parsed (BadValue) is another value.

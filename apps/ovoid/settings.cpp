@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "make_camera.h"
+#include "make_labels.h"
 #include "make_look.h"
 #include "ovoid/error.h"
 #include "session.h"
@@ -538,6 +539,7 @@ void check_json_flags(const DrawingFlags& drawing) {
       if (is_json(own)) look_of_flag("--over-tf", own, {});
     }
     if (is_json(drawing.camera.file)) camera_of_flag(drawing.camera.file);
+    if (is_json(drawing.labels.table)) table_of_flag(drawing.labels.table);
   } catch (const Error& error) {
     throw UsageError(error.what());
   }

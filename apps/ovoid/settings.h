@@ -41,6 +41,7 @@ inline constexpr std::size_t kMemoryOfSteps = std::size_t{1} << 30;
 // Which data: files, and what headerless ones cannot say.
 struct DataFlags {
   std::vector<std::string> inputs;
+  std::shared_ptr<const StepSource> steps;  // in memory, in the place of the inputs
   RawOptions raw;
   std::string block;
   std::optional<std::int64_t> step;

@@ -280,11 +280,17 @@ std::string read_text_file(const std::string& path, std::size_t max_bytes);
 
 // Names and colours of labels, its kind told from its content (docs/labels.md, "Names and
 // colours"): 3D Slicer's colour tables (.ctbl) and segmentations (.seg.nrrd, whose header is read
-// alone), ITK-SNAP's label descriptions, FreeSurfer's look-up tables, BIDS' dseg.tsv, and rows of a
-// number and a name. Of a label that is there twice the last counts. `layer`: of a segmentation
-// whose segments overlap, each layer of which has labels of its own. At most 16 MiB are read.
-// Throws Error: kFileNotFound; kFileFormat, naming file and line, and for a file without labels.
+// alone), ITK-SNAP's label descriptions, FreeSurfer's look-up tables, BIDS' dseg.tsv, rows of a
+// number and a name, and JSON of our own. Of a label that is there twice the last counts. `layer`:
+// of a segmentation whose segments overlap, each layer of which has labels of its own. At most 16
+// MiB are read. Throws Error: kFileNotFound; kFileFormat, naming file and line, and for a file
+// without labels.
 std::vector<LabelEntry> read_label_table(const std::string& path, int layer = 0);
+
+// The same of a text that is in memory, of any kind but segmentations. `source_name` stands for the
+// file in messages.
+std::vector<LabelEntry> label_table_from_text(const std::string& text,
+                                              const std::string& source_name = "text");
 
 // Camera files (JSON, VTK's words; docs/conventions.md). Missing members keep VTK's defaults. What
 // was written is read to the bit. Throws Error.

@@ -31,6 +31,29 @@ class StepSource {
   virtual Dataset read(std::int64_t step, std::stop_token stop = {}) const = 0;
 };
 
+// When steps in memory are.
+struct StepTimes {
+  // [number of steps], finite and strictly rising. Empty: what the steps say themselves
+  // (Dataset::times) where all say it and not all the same, else their numbers.
+  std::vector<double> values;
+  std::string unit;  // empty: what the first step says
+};
+
+// Steps that are in memory, whose arrays are shared; reading one copies none. Each is a dataset by
+// itself: what it says of other steps counts for nothing. `name`: for messages. Reads nothing, but
+// compares all steps. Throws Error: kInvalidArgument for no step, times that are not as above, or
+// steps that are not alike (Series::step); kUnsupported for several steps whose samples stay in
+// their files.
+std::shared_ptr<const StepSource> make_steps(const std::string& name,
+                                             std::vector<std::shared_ptr<const Dataset>> steps,
+                                             const StepTimes& times = {});
+
+// The step that is shown where none is chosen: the first in which the array varies, or without a
+// name any that is worth showing, told in a note; if there is none, the first. Of one step that.
+// Throws what StepSource::read throws, and Error(kInvalidArgument) for an array that is not there.
+Dataset step_to_show(const StepSource& source, const std::string& array = {},
+                     std::stop_token stop = {});
+
 struct SeriesOptions {
   // Bytes of steps in memory, those that are being read included (they count as much as the
   // greatest so far). Steps in use elsewhere are held in any case. What a reader needs beside the

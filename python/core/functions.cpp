@@ -45,9 +45,9 @@ std::string fit(const Source& source, const Words& words, Work& work) {
   cli::check_fit_flags(into);
   cli::take_from_model(&into.data, &into.model);
   Session session = session_of(work);
-  const auto dataset = load(source, into.data, session);
+  const Dataset dataset = cli::load(into.data, session);
   const cli::Stopwatch watch;
-  const FitReport report = cli::make_fit(*dataset, flags, into, session, progress_of(work));
+  const FitReport report = cli::make_fit(dataset, flags, into, session, progress_of(work));
   return cli::json_of(report, watch.ms() / 1000).dump();
 }
 
@@ -58,9 +58,9 @@ std::string simplify(const Source& source, const Words& words, Work& work) {
   cli::check_simplify_flags(into);
   cli::take_from_model(&into.data, &into.model);
   Session session = session_of(work);
-  const auto dataset = load(source, into.data, session);
+  const Dataset dataset = cli::load(into.data, session);
   const cli::Simplified done =
-      cli::make_simplified(*dataset, flags, into, session, progress_of(work));
+      cli::make_simplified(dataset, flags, into, session, progress_of(work));
   return cli::json_of(done).dump();
 }
 
@@ -70,7 +70,7 @@ Dataset convert(const Source& source, const Words& words, Work& work) {
   parse(source, words, flags, into.data);
   cli::take_from_model(&into.data, &into.model);
   Session session = session_of(work);
-  return cli::converted(into, flags, *load(source, into.data, session), session);
+  return cli::converted(into, flags, cli::load(into.data, session), session);
 }
 
 }  // namespace ovoid::python

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The extension module ovoid._core: what the package in plain Python stands on. Not for users; its
 // arguments are checked there.
+#include <fmt/format.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -8,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -15,6 +17,7 @@
 
 #include "arrays.h"
 #include "camera_path.h"
+#include "color_words.h"
 #include "data.h"
 #include "errors.h"
 #include "film.h"
@@ -22,9 +25,11 @@
 #include "info.h"
 #include "ovoid/io.h"
 #include "ovoid/look.h"
+#include "ovoid/series.h"
 #include "scene.h"
 #include "state_file.h"
 #include "suggest.h"
+#include "values.h"
 #include "waiting.h"
 
 namespace ovoid::python {
@@ -81,7 +86,9 @@ std::string info_of(const Data& data) {
     DrawFlags flags(&files, &drawing);
     flags.parse({});
     cli::Session session([](const std::string&) {}, work.stop);
-    text = text_of(cli::info_json(*data.dataset, drawing.model, flags, session));
+    const Dataset dataset =
+        data.steps == nullptr ? *data.dataset : step_to_show(*data.steps, {}, work.stop);
+    text = text_of(cli::info_json(dataset, drawing.model, flags, session));
   });
   return text;
 }
@@ -106,7 +113,29 @@ std::pair<Data, std::vector<std::string>> data_after(const WorkOnData& make,
 }
 
 Source source_of(const Data* data, std::vector<std::string> inputs) {
-  return {data == nullptr ? nullptr : data->dataset, std::move(inputs)};
+  if (data == nullptr) return {nullptr, std::move(inputs)};
+  const auto& steps = data->steps;
+  return {steps != nullptr ? steps : make_steps(data->dataset->source, {data->dataset}), {}};
+}
+
+// Datasets in memory as the steps of one.
+Data series_of(const std::string& name, const std::vector<Data>& steps,
+               const std::vector<double>& times, const std::string& unit) {
+  std::vector<SharedDataset> datasets;
+  datasets.reserve(steps.size());
+  for (const Data& step : steps) datasets.push_back(step.dataset);
+  const auto made = make_steps(name, std::move(datasets), {times, unit});
+  return {std::make_shared<const Dataset>(made->read(0)), made};
+}
+
+std::int64_t num_steps_of(const Data& data) {
+  return data.steps == nullptr ? 1 : data.steps->num_steps();
+}
+
+// None of data that know none.
+std::optional<std::vector<double>> times_of(const Data& data) {
+  if (data.steps == nullptr || !data.steps->has_times()) return std::nullopt;
+  return data.steps->times();
 }
 
 Asked asked_for(const cli::Words& words, const Beside& beside) {
@@ -197,12 +226,15 @@ void add_data(py::module_& module) {
               const std::vector<std::string>& notes) {
              return Data{with_facts(*d.dataset, {format, space, notes})};
            })
+      .def_property_readonly("num_steps", num_steps_of)
+      .def_property_readonly("times", times_of)
+      .def_property_readonly("time_unit", [](const Data& d) { return d.dataset->time_unit; })
       .def("info", info_of)
       .def("named",
            [](const Data& d, const std::string& source) {
-             Dataset copy = *d.dataset;
-             copy.source = source;
-             return data_of(std::move(copy));
+             auto copy = std::make_shared<Dataset>(*d.dataset);
+             copy->source = source;
+             return Data{std::move(copy), d.steps};
            })
       .def("write", [](const Data& data, const std::string& path) {
         wait_for([&](Work& work) { write_dataset(*data.dataset, path, {.stop = work.stop}); });
@@ -227,6 +259,7 @@ void add_data(py::module_& module) {
                         const py::array& connectivity, const Index3& dims, const Arrays& arrays) {
     return Data{make_mesh(source, positions, {types, offsets, connectivity, dims}, named(arrays))};
   });
+  module.def("series", series_of);
   module.def("read", [](const std::vector<std::string>& inputs, const cli::Words& words,
                         bool may_stay, const py::object& on_progress) {
     return data_after([&](Work& work) { return read_files(inputs, words, may_stay, work); },
@@ -260,6 +293,15 @@ std::vector<std::string> cameras_along(const Picture& picture, const std::string
   return cameras;
 }
 
+// A colour's word as "#rrggbb".
+std::string color_text(const std::string& word) {
+  try {
+    return cli::hex_text(cli::color_of_word(word));
+  } catch (const cli::BadValue& error) {
+    throw Error(ErrorCode::kInvalidArgument, fmt::format("'{}': {}", word, error.what()));
+  }
+}
+
 void add_picture(py::module_& module) {
   using Shared = std::shared_ptr<Picture>;
   py::class_<Picture, Shared>(module, "Picture")
@@ -284,6 +326,7 @@ void add_picture(py::module_& module) {
       .def_property_readonly("unit_distance", [](const Picture& p) { return p.unit_distance; })
       .def_property_readonly("num_steps", [](const Picture& p) { return p.num_steps; })
       .def_property_readonly("step", [](const Picture& p) { return p.step; })
+      .def_property_readonly("is_series", [](const Picture& p) { return p.is_series; })
       .def("encode",
            [](const Picture& picture, const std::string& ending, int quality) {
              std::string bytes;
@@ -385,6 +428,7 @@ PYBIND11_MODULE(_core, module) {
     return std::pair(state.inputs, text_of(state.flags.to_json()));
   });
   module.def("did_you_mean", cli::did_you_mean);
+  module.def("color_text", color_text);
   module.def("quoted", cli::quoted);
   module.def("make_film", [](const std::string& frames, std::int64_t num_frames,
                              const std::string& path, double fps) {

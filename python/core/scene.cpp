@@ -110,20 +110,19 @@ void Scene::model(Request& request, Session& session) {
   DrawingFlags& drawing = request.drawing;
   const cli::Stopwatch loading;
   request.data.may_stay_in_file = true;
-  const std::shared_ptr<const Dataset> dataset = load(source_, request.data, session);
-  if (source_.dataset != nullptr) session.notes(dataset->notes);
+  const Dataset dataset = cli::load(request.data, session);
   load_ms_ = loading.ms();
   const cli::Stopwatch modelling;
   const GradientMethod gradient = drawing.options.gradient;
-  subject_ = cli::make_subject(*dataset, request.flags, &drawing, session);
+  subject_ = cli::make_subject(dataset, request.flags, &drawing, session);
   model_ms_ = modelling.ms();
   gradient_of_labels_.reset();
   if (drawing.options.gradient != gradient) gradient_of_labels_ = drawing.options.gradient;
   outline_ = {};
-  outline_.source = dataset->source;
-  outline_.kind = dataset->kind;
-  outline_.step = dataset->step;
-  outline_.num_steps = dataset->num_steps;
+  outline_.source = dataset.source;
+  outline_.kind = dataset.kind;
+  outline_.step = dataset.step;
+  outline_.num_steps = dataset.num_steps;
 }
 
 Renderer& Scene::renderer(const Flags& flags, const RendererSetup& setup) {
@@ -227,19 +226,12 @@ std::shared_ptr<Picture> Scene::draw(const Asked& asked, Manner manner, Work& wo
   auto picture = std::make_shared<Picture>();
   const Field& field = subject_->modelled.field;
   subject_->before =
-      source_.inputs.empty()
-          ? std::vector<Field>()
-          : cli::before_trail(request.data, drawing, subject_->modelled, outline_.step, session);
+      cli::before_trail(request.data, drawing, subject_->modelled, outline_.step, session);
   picture->shot = cli::make_shot(*subject_, &drawing, session);
   cli::Shot& shot = picture->shot;
   cli::FrameSubject drawn = cli::frame_subject(*subject_, shot, drawing);
-  const std::optional<Trail> trail = source_.inputs.empty()
-                                         ? std::nullopt
-                                         : cli::trail_of(request.data, drawing, subject_->modelled,
-                                                         outline_.step, shot.look, session);
-  if (drawing.trail.length && !trail) {
-    throw cli::UsageError("--motion-blur: is for files in time, these data are one step");
-  }
+  const std::optional<Trail> trail =
+      cli::trail_of(request.data, drawing, subject_->modelled, outline_.step, shot.look, session);
   if (trail) drawn.trail = &*trail;
 
   RenderOptions options = drawing.options;
@@ -286,6 +278,7 @@ std::shared_ptr<Picture> Scene::draw(const Asked& asked, Manner manner, Work& wo
       load_ms_,       model_ms_, {frame.profile.frame_ms}, frame.profile, options.width,
       options.height, ""};
   picture->flags = cli::FlagSet::of(request.flags.given());
+  picture->is_series = source_.steps != nullptr && source_.steps->num_steps() > 1;
   picture->inputs = source_.inputs;
   picture->notes = work.notes;
   picture->field = field;

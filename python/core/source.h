@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is drawn, fitted, converted: a dataset in memory, or files.
+// What is drawn, fitted, converted: data in memory, or files.
 #pragma once
 
 #include <functional>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "ovoid/dataset.h"
+#include "ovoid/series.h"
 #include "session.h"
 #include "settings.h"
 #include "waiting.h"
@@ -16,17 +16,13 @@ namespace ovoid::python {
 
 // Exactly one of the two is there.
 struct Source {
-  std::shared_ptr<const Dataset> dataset;
+  std::shared_ptr<const StepSource> steps;
   std::vector<std::string> inputs;
 };
 
 // Parses a command's words with the source as its input. Throws UsageError for flags about files
-// where the data are in memory.
+// where the data are in memory, and for those about time where they are one step.
 void parse(const Source& source, const cli::Words& words, cli::Flags& flags, cli::DataFlags& data);
-
-// The dataset: what is in memory, or what is read.
-std::shared_ptr<const Dataset> load(const Source& source, const cli::DataFlags& data,
-                                    cli::Session& session);
 
 // A session that tells its notes to the work, and is stopped with it.
 cli::Session session_of(Work& work);

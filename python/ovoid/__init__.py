@@ -14,6 +14,7 @@ _MODULES = {
     "_interact": ("Interactive", "interact"),
     "_picture": ("Picture",),
     "_scene": ("Scene", "View", "animate", "render"),
+    "_series": ("series",),
     "_settings": ("settings",),
     "_view": ("view",),
 }

@@ -154,7 +154,8 @@ def dims_of(shape, name):
     if len(shape) == 4 and shape[3] not in _COMPONENTS:
         raise InvalidArgument(
             f"{name}: has the shape {tuple(shape)}, whose last axis is not that of 1 to 4, 6 or 9 components: "
-            "expected (z, y, x) of one time step or channel, such as array[0], or channels last, by numpy.moveaxis(array, 0, -1)"
+            "expected (z, y, x) of one time step or channel, such as array[0], all steps by ovoid.series(array), or channels last, by "
+            "numpy.moveaxis(array, 0, -1)"
         )
     if len(shape) in (3, 4):
         return shape[2], shape[1], shape[0]
@@ -181,12 +182,12 @@ def _evenly(coordinates, axis):
     return places[0], step
 
 
-def xarray_place(data):
-    """world_from_index of what xarray's coordinates say; an axis without any has spacing 1 from 0. A coordinate that falls makes an
-    axis that points the other way."""
+def xarray_place(data, first=0):
+    """world_from_index of what xarray's coordinates say, of z, y, x from its axis `first` on; an axis without any has spacing 1 from 0.
+    A coordinate that falls makes an axis that points the other way."""
     matrix = np.zeros((3, 4))
     matrix[:, :3] = np.eye(3)
-    for column, axis in enumerate(reversed(data.dims[:3])):
+    for column, axis in enumerate(reversed(data.dims[first:first + 3])):
         if axis in data.coords:
             matrix[column, 3], matrix[column, column] = _evenly(data.coords[axis].values, axis)
     return matrix

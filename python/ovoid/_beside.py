@@ -48,6 +48,8 @@ class Beside:
 
     def _make(self, setting, value):
         if isinstance(value, Data):
+            if len(value.steps) > 1:
+                raise InvalidArgument(f"{setting}: is a series of {len(value.steps)} steps, expected one, such as series.steps[0]")
             return value
         from . import _arrays, _objects
 

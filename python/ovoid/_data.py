@@ -8,15 +8,17 @@ from ._errors import InvalidArgument, UnknownSetting
 
 
 class Data:
-    """A lattice, mesh or set of points with its arrays, as `read` and `particles` give it.
+    """A lattice, mesh or set of points with its arrays, as `read` and `particles` give it; or several that are steps of time, as `series`
+    gives them, whose first is what the properties tell of.
 
     Its arrays share the memory of what it was made of; they are not to be changed while it is drawn.
     """
 
-    def __init__(self, core, defaults=None, report=None):
+    def __init__(self, core, defaults=None, report=None, steps=None):
         self._core = core
         self._defaults = defaults or {}
         self._report = report
+        self._steps = steps
 
     @property
     def kind(self):
@@ -49,6 +51,21 @@ class Data:
         return self._report
 
     @property
+    def steps(self):
+        """tuple of Data: the steps of a series; of anything else itself."""
+        return (self,) if self._steps is None else tuple(self._steps)
+
+    @property
+    def times(self):
+        """numpy.ndarray of float64 or None: of a series when its steps are, where that is known."""
+        times = self._core.times
+        if times is None:
+            return None
+        import numpy as np
+
+        return np.array(times)
+
+    @property
     def positions(self):
         """numpy.ndarray: of all but lattices, the places of nodes or points, (n, 3); world units."""
         return self._core.positions()
@@ -66,7 +83,8 @@ class Data:
         return found
 
     def __repr__(self):
-        return f"<ovoid.Data {self.kind} '{self.source}': {', '.join(self._core.array_names) or 'no arrays'}>"
+        steps = "" if self._core.num_steps == 1 else f", {self._core.num_steps} steps"
+        return f"<ovoid.Data {self.kind} '{self.source}': {', '.join(self._core.array_names) or 'no arrays'}{steps}>"
 
 
 def is_path(data):
@@ -94,9 +112,9 @@ def _check_placement(placement):
             raise UnknownSetting(f"{name}: unknown setting{_core.did_you_mean(name, PLACEMENT)}")
 
 
-def data_of(data, spacing=None, origin=None, direction=None, affine=None, space=None, memory_limit=None):
+def data_of(data, spacing=None, origin=None, direction=None, affine=None, space=None, memory_limit=None, named=("values", ""), may_stay=True):
     """What is in memory as Data. The others: of arrays, as `render` takes them; `memory_limit`: bytes that one may take which is
-    elsewhere, as in a file."""
+    elsewhere, as in a file; `named`: name and unit of its values; `may_stay`: samples that memory does not hold, in a file."""
     is_placed = not (spacing is None and origin is None and direction is None and affine is None)
     from . import _arrays, _objects
 
@@ -105,8 +123,12 @@ def data_of(data, spacing=None, origin=None, direction=None, affine=None, space=
         if is_placed or space is not None:
             raise InvalidArgument("spacing, origin, direction, affine, space: are for arrays, these data say themselves where they are")
         return found
-    name, unit = "values", ""
+    name, unit = named
     if _arrays.is_xarray(data):
+        from . import _series
+
+        if _series.is_in_time(data):
+            return _series.series(data, spacing=spacing, origin=origin, direction=direction, affine=affine, space=space)
         if is_placed:
             raise InvalidArgument("spacing, origin, direction, affine: are for arrays without coordinates of their own")
         matrix, name, unit = _arrays.xarray_place(data), str(data.name or name), str(data.attrs.get("units", ""))
@@ -116,7 +138,7 @@ def data_of(data, spacing=None, origin=None, direction=None, affine=None, space=
     limit = _settings.words(_settings.canonical({"memory_limit": memory_limit}))
     from . import _large
 
-    if _large.stays_away(data, limit):
+    if may_stay and _large.stays_away(data, limit):
         core = _large.lattice_of(data, _arrays.dims_of(data.shape, "data"), matrix.tolist(), name, unit, limit)
         return Data(core if space is None else core.with_facts("", str(space), []))
     names = getattr(getattr(data, "dtype", None), "names", None)
@@ -230,7 +252,8 @@ def write(path, data, **placement):
     Parameters
     ----------
     path : str or path
-        ``.nrrd``, ``.nii.gz``, ``.mha``, ``.npy``, ``.vtu``, ``.ply``, ...: what ``ovoid convert`` writes for this kind of data.
+        ``.nrrd``, ``.nii.gz``, ``.npy``, ``.vtu``, ``.ply``, ...: what ``ovoid convert`` writes for this kind of data. Of a series
+        ``.pvd``: times, and the names of files beside it that hold the steps.
     data : Data or array_like
         What `render` takes, but paths.
     **placement
@@ -238,7 +261,13 @@ def write(path, data, **placement):
     """
     (name,) = paths_of([path])
     _check_placement(placement)
-    data_of(data, **placement)._core.write(name)
+    found = data_of(data, **placement)
+    if found._core.num_steps > 1 or name.endswith(".pvd"):
+        from . import _series
+
+        _series.write(name, found)
+    else:
+        found._core.write(name)
 
 
 def info(data, **placement):

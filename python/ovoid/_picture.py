@@ -89,8 +89,10 @@ class Picture:
 
     @property
     def command(self):
-        """str: the command that draws the same bytes; of data in memory with the name ``data.nrrd`` for a file that `write` makes."""
-        return _core.quoted(["ovoid", "render", *(self._core.inputs or ["data.nrrd"]), *self._core.words, "-o", "picture.png"])
+        """str: the command that draws the same bytes; of data in memory with the name ``data.nrrd``, or ``data.pvd`` of a series, for a file
+        that `write` makes."""
+        inputs = self._core.inputs or ["data.pvd" if self._core.is_series else "data.nrrd"]
+        return _core.quoted(["ovoid", "render", *inputs, *self._core.words, "-o", "picture.png"])
 
     def pick(self, x, y):
         """What the picture shows at a pixel, whatever is drawn afterwards: the picture keeps the data that it shows.

@@ -59,16 +59,11 @@ class Scene:
         """The range of the values called `array`; None where they are not one array of numbers in memory."""
         if self._data is None or not isinstance(array, (str, type(None))):
             return None
-        arrays = self._data.arrays
         array = array or self._defaults.get("array")
-        values = arrays.get(array) if array else next(iter(arrays.values())) if len(arrays) == 1 else None
-        if values is None or values.ndim != (3 if self._data.kind == "lattice" else 1):
-            return None
         if array not in self._spans:
-            finite = values[abs(values) < float("inf")] if values.dtype.kind == "f" else values
-            ends = (finite.min(), finite.max()) if finite.size else None
-            scale, offset = self._data._core.value_scale(self._data._core.array_names.index(array) if array else 0)
-            self._spans[array] = ends if ends is None or (scale, offset) == (1, 0) else sorted(end * scale + offset for end in ends)
+            spans = [_span_of(step, array) for step in self._data.steps]
+            known = [end for span in spans if span is not None for end in span]
+            self._spans[array] = (min(known), max(known)) if known else None
         return self._spans[array]
 
     def _asked(self, settings):
@@ -117,6 +112,20 @@ class Scene:
         from . import _functions
 
         return _functions.histogram_of(self._core, self._asked(self.settings), log)
+
+
+def _span_of(data, array):
+    """The least and the greatest of the values called `array`, or of the only one; None where they are not one array of numbers."""
+    arrays = data.arrays
+    values = arrays.get(array) if array else next(iter(arrays.values())) if len(arrays) == 1 else None
+    if values is None or values.ndim != (3 if data.kind == "lattice" else 1):
+        return None
+    finite = values[abs(values) < float("inf")] if values.dtype.kind == "f" else values
+    if not finite.size:
+        return None
+    scale, offset = data._core.value_scale(data._core.array_names.index(array) if array else 0)
+    ends = finite.min(), finite.max()
+    return ends if (scale, offset) == (1, 0) else tuple(sorted(end * scale + offset for end in ends))
 
 
 class View:

@@ -109,6 +109,23 @@ def _of_label(value):
     return "#" + "".join(f"{round(255 * part):02x}" for part in parts)
 
 
+def _label_table(table):
+    """Names, or (name, colour, opacity), of labels by their numbers, as the JSON that a file of them may be."""
+    expected = 'expected {number: "name"}, or {number: ("name", colour, opacity)}'
+    found = {}
+    for label, entry in table.items():
+        is_number = isinstance(label, numbers.Integral) and not isinstance(label, bool)
+        if not is_number and not (isinstance(label, str) and re.fullmatch("-?[0-9]+", label)):  # as JSON has them
+            raise InvalidArgument(f"label_table: {label!r} is no label; {expected}")
+        parts = [entry] if isinstance(entry, str) else list(entry) if isinstance(entry, (list, tuple)) else []
+        if not 1 <= len(parts) <= 3 or not isinstance(parts[0], str):
+            raise InvalidArgument(f"label_table: {label}: {entry!r}: {expected}")
+        if len(parts) > 1 and parts[1] is not None:
+            parts[1] = _core.color_text(_of_label(parts[1])) if isinstance(parts[1], str) else _of_label(parts[1])
+        found[str(int(label))] = parts[0] if isinstance(entry, str) else parts
+    return _json(found)
+
+
 def _text(value, form):
     """A value as the text that the program takes: tuples with the separators of the form."""
     if isinstance(value, dict) and form.startswith("LABEL="):
@@ -143,6 +160,11 @@ def _words_of(name, value, command):
     flag, kind, form, _ = table(command)[name]
     if form == "FILE":
         _check_file_names(name, value)
+    if name == "label_table":
+        if not isinstance(value, dict):
+            _check_file_names(name, value)
+        else:
+            value = _label_table(value)
     if kind == _TOGGLE:
         if not (isinstance(value, int) and value in (0, 1) or type(value).__name__ == "bool_"):  # numpy's
             raise InvalidArgument(f"{name} = {value!r}: expected True or False")

@@ -26,6 +26,12 @@ def program():
 def _file_of(data, folder):
     """Data as a file for another process."""
     core = data._core
+    if core.num_steps > 1:
+        from . import _data
+
+        path = os.path.join(folder, "array.pvd")
+        _data.write(path, data)
+        return path
     ending = _ENDINGS.get(core.kind)
     if ending is None:
         raise Unsupported(f"view: data of the kind '{core.kind}' are shown from their file alone: ovoid.view(path)")

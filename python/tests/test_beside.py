@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Data in memory beside what is drawn: labels, further volumes, surfaces; they draw as their files do."""
+import shlex
+import subprocess
+
 import numpy as np
 import ovoid
 import ovoid._view
 import pytest
-from conftest import FLAGS, SMALL, bumps, drawn_by_program, png
+from conftest import FLAGS, PROGRAM, SMALL, bumps, drawn_by_program, png
 from test_states import stand_in
 
 PLACE = {"spacing": (0.5, 1, 2), "origin": (3, -4, 5)}
@@ -63,6 +66,27 @@ def test_labels_on_slices_in_colours_of_their_own(tmp_path, array, labels, scan_
     assert (picture.numpy() != ovoid.render(array, **PLACE, labels=labels, slice=["z", (1, 0, 0, 9)], slice_labels="none", flat_labels=True, **SMALL).numpy()).any()
     drawn = picture.pick(*np.argwhere(np.isfinite(picture.depth))[0][::-1].tolist())
     assert drawn["shows"]
+
+
+def test_names_in_a_dict(tmp_path, array, labels, scan_file):
+    """Mean what a file of them means, and what the program takes as JSON."""
+    ovoid.write(tmp_path / "labels.nrrd", labels.astype("u1"), **PLACE)
+    (tmp_path / "names.ctbl").write_text("3 Liver 192 80 48 255\n7 spleen 0 0 255 102\n")
+    expected = drawn_by_program(scan_file, "--labels", str(tmp_path / "labels.nrrd"), "--label-table", str(tmp_path / "names.ctbl"), "--label-opacity", "liver=0.3", *FLAGS)
+    table = {np.int64(3): ("Liver", "#c05030"), 7: ["spleen", (0, 0, 1), 0.4]}
+    picture = ovoid.render(array, **PLACE, labels=labels, label_table=table, label_opacity={"liver": 0.3}, **SMALL)
+    assert png(picture) == expected
+    told = picture.state["flags"]["label-table"]
+    assert told == {"3": ["Liver", "#c05030"], "7": ["spleen", "#0000ff", 0.4]}
+    assert png(ovoid.render(array, **PLACE, labels=labels, state=picture.state)) == expected
+    words = shlex.split(picture.command)
+    words[words.index("data.nrrd")], words[words.index("labels.nrrd")] = str(scan_file), str(tmp_path / "labels.nrrd")
+    subprocess.run([PROGRAM, *words[1:-1], str(tmp_path / "again.png")], check=True, capture_output=True)
+    assert (tmp_path / "again.png").read_bytes() == expected
+    named = ovoid.render(array, **PLACE, labels=labels, label_table={3: "liver", 7: ("spleen", "blue")}, **SMALL)
+    assert named.state["flags"]["label-table"] == {"3": "liver", "7": ["spleen", "#0000ff"]}
+    seen = next(found for x in range(96) if (found := named.pick(x, 36))["shows"] and "label" in found)
+    assert seen["label"]["name"] in ("liver", "spleen")
 
 
 def test_the_scan_within_labels(tmp_path, array, labels, scan_file):
@@ -198,7 +222,14 @@ def test_a_scene_keeps_what_stays(array, labels):
     ({"labels": ["a.png", "b.png"]}, r"labels: is a list of names"),
     ({"labels": np.zeros((20, 24, 28), "u1"), "label_color": {3: (1, 2, 0)}}, r"\(1, 2, 0\): expected a colour"),
     ({"labels": np.zeros((20, 24, 28), "u1"), "label_color": {3: "reddish"}}, "label-color"),
-    ({"labels": np.zeros((20, 24, 28), "u1"), "label_table": {1: "liver"}}, "label_table: is dict, expected the name of a file"),
+    ({"label_table": {"liver": 1}}, r"label_table: 'liver' is no label; expected \{number: \"name\"\}"),
+    ({"label_table": {1.5: "liver"}}, "label_table: 1.5 is no label"),
+    ({"label_table": {1: 2}}, r"label_table: 1: 2: expected \{number"),
+    ({"label_table": {1: ("liver", "reddish")}}, "'reddish'"),
+    ({"label_table": {1: ("liver", (1, 2, 0))}}, r"\(1, 2, 0\): expected a colour"),
+    ({"label_table": {1: ("liver", None, 2)}}, "--label-table: 1.* must be an opacity from 0 to 1"),
+    ({"label_table": {}}, "--label-table: has no labels"),
+    ({"label_table": 3}, "label_table: is int, expected the name of a file"),
     ({"over": np.zeros((20, 24, 28)), "over_transform": np.eye(4)}, r"over_transform: is ndarray, .*ovoid\.lattice\(array, affine"),
     ({"over": np.zeros((20, 24, 28)), "over_transform": [[1, 0], [0, 1]]}, r"over_transform: is list, expected the name of a file"),
     ({"within": 3}, r"within = int: expected a file, ovoid\.mesh"),

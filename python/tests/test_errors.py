@@ -58,8 +58,8 @@ def test_placement(placement, words):
     ({"blending": "median"}, "blending"),
     ({"blending": [1, 2]}, "blending"),
     ({"log": np.zeros(3)}, "expected True or False"),
-    ({"step": 2}, "--step: is for files"),
-    ({"motion_blur": 2}, "--motion-blur: is for files in time"),
+    ({"step": 2}, "--step: is for data in time, these are one step"),
+    ({"motion_blur": 2}, "--motion-blur: is for data in time"),
     ({"mass": 2}, "--mass: is for particles"),
     ({"component": 5}, "component"),
     ({"camera": {"position": [1, 2]}}, "must have 3 elements"),
@@ -105,6 +105,27 @@ def test_files(tmp_path):
         picture.save(tmp_path / "a.bmp")
     with pytest.raises(OSError):
         picture.save(tmp_path / "no" / "a.png")
+
+
+PLACES = np.random.default_rng(1).random((50, 3))
+
+
+@pytest.mark.parametrize("draw, words", [
+    (lambda: ovoid.render(bumps(), origin=(1e38, 0, 0)), r"bounds = \(1e\+38, .* so far from the origin.*; move the data to the origin, or give lengths"),
+    (lambda: ovoid.render(bumps(), origin=(0, 1e308, 0)), "so far from the origin"),
+    (lambda: ovoid.render(bumps(), spacing=(1e150,) * 3), r"spacing\[0\] = 1e\+150: must be 1e-100 to 1e\+100; give lengths in another unit"),
+    (lambda: ovoid.render(ovoid.particles(PLACES * 1e39, PLACES[:, 0])), r"'particles': its positions extend over .*e\+38, expected 1e-30 to 1e\+37; give lengths in another unit"),
+    (lambda: ovoid.render(ovoid.particles(PLACES * 1e-38, PLACES[:, 0])), "extend over"),
+    (lambda: ovoid.render(ovoid.particles(PLACES + 1e38, PLACES[:, 0])), "so far from the origin"),
+    (lambda: ovoid.render(ovoid.particles(PLACES * 1e-25)), "'particles': its density is up to about .*; give lengths or masses in another unit"),
+    (lambda: ovoid.render(ovoid.particles(PLACES * 1e25)), "its density is up to about"),
+    (lambda: ovoid.render(ovoid.mesh(np.eye(4, 3) * 1e39, {"tetra": [[0, 1, 2, 3]]}, {"heat": np.arange(4.0)})), "extend over"),
+    (lambda: ovoid.render(ovoid.mesh(np.eye(4, 3) + 1e38, {"tetra": [[0, 1, 2, 3]]}, {"heat": np.arange(4.0)})), "so far from the origin"),
+])
+def test_numbers_that_are_too_large(draw, words):
+    """They were told of cameras, shapes and weights, or drew nothing."""
+    with pytest.raises(ovoid.InvalidArgument, match=words):
+        draw()
 
 
 @pytest.mark.parametrize("arguments, words", [

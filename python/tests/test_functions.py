@@ -141,7 +141,7 @@ BAD = [
     (lambda a: ovoid.fit(a), "no goal given"),
     (lambda a: ovoid.fit(a, psnrr=40), "did you mean psnr"),
     (lambda a: ovoid.fit(a, psnr=40, kernels=3), "give one of them"),
-    (lambda a: ovoid.fit(a, psnr=40, step=2), "is for files"),
+    (lambda a: ovoid.fit(a, psnr=40, step=2), "is for data in time"),
     (lambda a: ovoid.fit(a, "fit.png", psnr=40), ".h5"),
     (lambda a: ovoid.fit(a, psnr=40, output="x.h5"), "is no setting here"),
     (lambda a: ovoid.simplify(ovoid.particles(np.eye(3))), "is for lattices"),

@@ -231,6 +231,10 @@ def test_steps_of_series(interact, tmp_path):
     assert (widget.controls["step"].min, widget.controls["step"].max) == (0, 2)
     widget.controls["step"].value = 2
     assert settled(widget) == png(ovoid.render(paths, **widget.settings)) and widget.settings["step"] == 2
+    in_memory = interact(ovoid.series([np.roll(bumps(), 3 * i, axis=2) for i in range(3)]), step=0)
+    assert (in_memory.controls["step"].min, in_memory.controls["step"].max) == (0, 2)
+    in_memory.controls["step"].value = 2
+    assert settled(in_memory) == settled(widget)
 
 
 @pytest.mark.parametrize("data", [

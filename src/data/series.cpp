@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <condition_variable>
 #include <map>
 #include <mutex>
@@ -31,22 +30,6 @@ std::size_t bytes_of(const Dataset& dataset) {
                       dataset.cells.connectivity.size() * sizeof(std::uint32_t);
   for (const DataArray& array : dataset.arrays) bytes += array.bytes.view.size();
   return bytes;
-}
-
-void check_times(const StepSource& source) {
-  const std::vector<double>& times = source.times();
-  const auto count = static_cast<std::int64_t>(times.size());
-  if (source.num_steps() < 1 || count != source.num_steps()) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}: {} times of {} steps: expected one each, and at least one",
-                            source.name(), count, source.num_steps()));
-  }
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    if (std::isfinite(times[i]) && (i == 0 || times[i] > times[i - 1])) continue;
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}: times[{}] = {}: expected finite times that rise", source.name(), i,
-                            times[i]));
-  }
 }
 
 }  // namespace
@@ -280,7 +263,7 @@ void Series::Impl::read_ahead(const std::stop_token& stop) {
 Series::Series(std::shared_ptr<const StepSource> source, const SeriesOptions& options)
     : impl_(std::make_unique<Impl>()) {
   if (!source) throw Error(ErrorCode::kInvalidArgument, "source: is null, expected steps");
-  check_times(*source);
+  data::check_times(*source);
   impl_->source = std::move(source);
   impl_->options = options;
 }

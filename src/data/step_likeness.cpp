@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "ovoid/error.h"
 
@@ -20,6 +21,22 @@ std::string dims_text(const Index3& dims) {
 const char* place_of(bool is_cell_data) { return is_cell_data ? "cells" : "nodes or samples"; }
 
 }  // namespace
+
+void check_times(const StepSource& source) {
+  const std::vector<double>& times = source.times();
+  const auto count = static_cast<std::int64_t>(times.size());
+  if (source.num_steps() < 1 || count != source.num_steps()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: {} times of {} steps: expected one each, and at least one",
+                            source.name(), count, source.num_steps()));
+  }
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (std::isfinite(times[i]) && (i == 0 || times[i] > times[i - 1])) continue;
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: times[{}] = {}: expected finite times that rise", source.name(), i,
+                            times[i]));
+  }
+}
 
 StepLikeness::StepLikeness(const Dataset& first, std::int64_t step, SeriesKind series)
     : kind_(first.kind), lattice_(first.lattice), step_(step), series_(series) {

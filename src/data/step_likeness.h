@@ -6,8 +6,12 @@
 #include <vector>
 
 #include "ovoid/dataset.h"
+#include "ovoid/series.h"
 
 namespace ovoid::data {
+
+// Throws Error(kInvalidArgument) if a source's times are not num_steps() finite rising numbers.
+void check_times(const StepSource& source);
 
 // What the steps of a series have in common, as the first that was read has it.
 class StepLikeness {

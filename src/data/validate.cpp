@@ -71,8 +71,8 @@ void validate_geometry(const LatticeGeometry& geometry) {
       fail(fmt::format("lattice spacing[{}] = {}: must be > 0 and finite", axis, length));
     }
     if (!(length >= kLeastSpacing && length <= 1 / kLeastSpacing)) {
-      fail(fmt::format("lattice spacing[{}] = {}: must be {} to {}", axis, length, kLeastSpacing,
-                       1 / kLeastSpacing));
+      fail(fmt::format("lattice spacing[{}] = {}: must be {} to {}; give lengths in another unit",
+                       axis, length, kLeastSpacing, 1 / kLeastSpacing));
     }
     axes.col(axis) /= length;
     lengths[axis] = length;

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "data/bookkeeping.h"
+#include "data/shown_step.h"
 #include "io/core/byte_source.h"
 #include "io/core/row_share.h"
 #include "io/core/sample_parts.h"
@@ -50,14 +50,11 @@ Dataset read_step_files(const std::vector<std::string>& paths, const ReadOptions
   check_share(options.share);
   ReadOptions whole = options;
   whole.share.reset();
-  for (std::int64_t step = 0; step < num_steps; ++step) {
-    Dataset dataset = read_step_file(paths, step, whole);
-    if (!data::is_worth_showing(dataset, options.array)) continue;
-    cut_to_share(dataset, options.share);
-    dataset.notes.push_back(chosen_step_note(dataset.source, step, num_steps));
-    return dataset;
-  }
-  return read_step_file(paths, 0, options);
+  Dataset dataset = data::shown_step({}, num_steps, options.array, [&](std::int64_t step) {
+    return read_step_file(paths, step, whole);
+  });
+  cut_to_share(dataset, options.share);
+  return dataset;
 }
 
 }  // namespace ovoid::io

@@ -74,6 +74,30 @@ std::vector<double> load_tuples(const DataArray& array, std::int64_t expected, i
   return numbers;
 }
 
+namespace {
+
+// Sizes of kernels are float32, and are compared by their squares as float64. Between them and the
+// extent of all of them lie as many orders of magnitude as are left to either side.
+constexpr double kLeastExtent = 1e-30, kMostExtent = 1e37;
+
+// Of the finite positions; throws on an extent that kernels cannot have.
+void check_extent(const ModelRun& run, const std::vector<double>& positions) {
+  Bounds3 bounds;
+  for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
+    const Vec3 at(positions[i], positions[i + 1], positions[i + 2]);
+    if (at.allFinite()) bounds.extend(at);
+  }
+  if (bounds.isEmpty()) return;
+  const double extent = bounds.sizes().maxCoeff();
+  if (extent == 0 || (extent >= kLeastExtent && extent <= kMostExtent)) return;
+  refuse_input(
+      fmt::format("'{}': its positions extend over {:g}, expected {} to {:.0e}; give "
+                  "lengths in another unit",
+                  run.dataset.source, extent, kLeastExtent, kMostExtent));
+}
+
+}  // namespace
+
 std::vector<double> load_positions(const ModelRun& run) {
   const DataArray& array = run.dataset.positions;
   if (array.num_tuples < 1 && run.team == nullptr)
@@ -88,7 +112,9 @@ std::vector<double> load_positions(const ModelRun& run) {
   if (named.name.empty()) named.name = "positions";
   named.value_scale = 1;
   named.value_offset = 0;
-  return load_tuples(named, array.num_tuples, 3, "positions");
+  std::vector<double> positions = load_tuples(named, array.num_tuples, 3, "positions");
+  check_extent(run, positions);
+  return positions;
 }
 
 ChosenArrays choose_arrays(const ModelRun& run) {

@@ -292,10 +292,28 @@ double volume_of_shape(const KernelParts& parts, std::size_t i) {
   return std::pow(static_cast<double>(parts.shapes[i]), 3);
 }
 
+// Throws if not even the greatest density is a number of 32 bits, as values are.
+void check_densities(const ModelRun& run, const KernelParts& parts, double integral) {
+  double greatest = 0;
+  for (std::size_t i = 0; i < parts.count(); ++i) {
+    greatest = std::max(greatest, static_cast<double>(std::abs(parts.values[0][i])) /
+                                      (integral * volume_of_shape(parts, i)));
+  }
+  greatest = greatest_of(run, greatest);
+  using Values = std::numeric_limits<float>;
+  if (greatest == 0 || (greatest >= Values::min() && greatest <= Values::max())) return;
+  throw Error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("'{}': its density is up to about {:.2g}, expected {:.2g} to {:.2g}; give "
+                  "lengths or masses in another unit",
+                  run.dataset.source, greatest, Values::min(), Values::max()));
+}
+
 // Densities: v w = m / integral. The two share it so that neither leaves float32's range where
 // lengths are in centimetres of a galaxy.
 void weigh_densities(const ModelRun& run, KernelParts& parts) {
   const double integral = profile_integral(parts.profile, parts.cutoff);
+  check_densities(run, parts, integral);
   double least = std::numeric_limits<double>::infinity(), greatest = 0;
   for (std::size_t i = 0; i < parts.count(); ++i) {
     const double weight = 1 / (integral * volume_of_shape(parts, i));

@@ -257,6 +257,19 @@ TEST(ParticleKernels, RefusesAndCounts) {
   refused([](Dataset& d) { add_array(d, "h", {1, kNanF, 1}); }, "h[1] = nan: must be > 0");
   refused([](Dataset& d) { add_array(d, "h", {1, 1}); }, "2 tuples, must be 3");
   refused([](Dataset& d) { d.positions = {}; }, "no positions");
+  const auto as_large_as = [](double extent) {
+    return [extent](Dataset& d) {
+      d.positions =
+          cloud_dataset({{0, 0, 0}, {extent, 0, 0}, {0, extent, 0}, {0, 0, extent}}).positions;
+      add_array(d, "size", {1, 2, 3, 4});
+      d.arrays.erase(d.arrays.begin());
+    };
+  };
+  refused(as_large_as(1e38), "extend over 1e+38, expected 1e-30 to 1e+37; give lengths in another");
+  refused(as_large_as(1e-31), "extend over 1e-31, expected 1e-30 to 1e+37");
+  refused(as_large_as(1e-25), "density is up to about", {.is_density = true});
+  refused(as_large_as(1e25), "give lengths or masses in another unit", {.is_density = true});
+  refused(as_large_as(1e25), "accepted", {.array = "size"});
   refused([](Dataset&) {}, "'size'", {.radius_array = "size"});
   refused([](Dataset&) {}, "mass = 0", {.mass = 0});
   refused([](Dataset& d) { d.periodic_box = Bounds3(Vec3::Zero(), Vec3(1, 0, 1)); }, "no volume");

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string_view>
@@ -22,6 +23,9 @@ constexpr double kMinUpSine = 1e-6;
 
 // The radius that vtkRenderer::ResetCamera gives a box without extent (half of a unit diagonal).
 constexpr double kPointRadius = 0.5;
+
+// How far rounding may move a camera, of its distance; rays are off as much then.
+constexpr double kMostRounding = 0.05;
 
 double radians(double degrees) { return degrees * (std::numbers::pi / 180.0); }
 
@@ -189,8 +193,18 @@ Camera default_camera(const Bounds3& world_bounds, Space space, const std::strin
   Camera camera;
   const double narrow = std::min(aspect, 1.0);
   const double half_angle = std::atan(std::tan(radians(camera.view_angle) / 2.0) * narrow);
+  const double distance = radius / std::sin(half_angle);
   camera.focal_point = world_bounds.center();
-  camera.position = camera.focal_point + radius / std::sin(half_angle) * named.from;
+  camera.position = camera.focal_point + distance * named.from;
+  const double rounding =
+      camera.focal_point.cwiseAbs().maxCoeff() * std::numeric_limits<double>::epsilon() / 2;
+  if (!std::isfinite(distance) || !(rounding <= kMostRounding * distance)) {
+    refuse(fmt::format(
+        "bounds = {} to {}: lie so far from the origin, or apart, that numbers of 64 bits do not "
+        "tell places around them apart; move the data to the origin, or give lengths in a larger "
+        "unit",
+        text(world_bounds.min()), text(world_bounds.max())));
+  }
   camera.view_up = named.up;
   camera.parallel_scale = radius / narrow;
   return camera;

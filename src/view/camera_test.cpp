@@ -220,5 +220,22 @@ TEST(DefaultCamera, RefusesWhatItCannotShow) {
       .validate();  // a single point is a place to look at
 }
 
+// Eight across: of 1e17 and more on, places around them are the same numbers.
+TEST(DefaultCamera, RefusesWhatNumbersDoNotTellApart) {
+  const auto at = [](double x) { return Bounds3(Vec3(x, 0, 0), Vec3(x + 8, 8, 8)); };
+  default_camera(at(1e14)).validate();
+  default_camera(Bounds3(Vec3::Zero(), Vec3::Constant(1e100))).validate();
+  for (const Bounds3& far :
+       {at(1e18), at(1e38), at(1e308), Bounds3(Vec3::Constant(-1e308), Vec3::Constant(1e308))}) {
+    try {
+      default_camera(far);
+      ADD_FAILURE() << "no error at " << far.min().transpose();
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("move the data to the origin"), std::string::npos)
+          << error.what();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ovoid

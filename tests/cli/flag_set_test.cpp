@@ -272,6 +272,7 @@ const std::vector<Words>& samples() {
       {"--labels", "parts.nrrd", "--label-table", "parts.ctbl", "--label-opacity", "3=0.4,others=0",
        "--label-color", "3=#ff8000", "--inside-labels", "1,left lung"},
       {"--labels", "parts.nrrd", "--outside-labels", "1,2"},
+      {"--label-table", R"({"1": "liver"})"},
       {"--label-surfaces", "--colormap", "gray"},
       {"--over", "a.nrrd", "--over", "b.nrrd", "--over-array", "x", "--over-tf", "a.json",
        "--over-colormap", "gray", "--over-range", "0,1", "--over-opacity", "0:0,1:0.5",

@@ -52,6 +52,17 @@ TEST_F(LabelMaps, NamesAndNumbersMeanLabels) {
   EXPECT_LT(sum(by_name, 0), 0.2 * sum(by_name, 1));
 }
 
+TEST_F(LabelMaps, NamesAsJson) {
+  const std::string json =
+      R"({"1": ["skin", "#ff0000"], "2": ["Skull", "#00ff00", 1], "5": ["brain", "#0000ff"], "7": "eyes"})";
+  const Words some = {"--label-opacity", "7=0,skin=0.25"};
+  const Picture by_rows = picture_of(map_, {"--label-table", table_, some[0], some[1]});
+  EXPECT_EQ(by_rows.rgba, picture_of(map_, {"--label-table", json, some[0], some[1]}).rgba);
+  const std::string file = folder_ / "names.json";
+  std::ofstream(file) << json;
+  EXPECT_EQ(by_rows.rgba, picture_of(map_, {"--label-table", file, some[0], some[1]}).rgba);
+}
+
 TEST_F(LabelMaps, FlagsGiveColours) {
   const Words table = {"--label-table", table_};
   const Picture by_flag =
@@ -181,6 +192,8 @@ TEST_F(LabelMaps, WhatIsWrongIsNamed) {
   expect_failure({"render", map_, "--inside-labels", "1", "-o", picture_}, 2, {"--labels"});
   expect_failure({"render", map_, "--label-table", folder_ / "none.txt", "-o", picture_}, 1,
                  {"none.txt"});
+  expect_failure({"render", map_, "--label-table", R"({"skin": 1})", "-o", picture_}, 2,
+                 {"--label-table: skin", "must be a label"});
   const std::string scan = folder_ / "scan.nrrd";
   expect_success({"make", "ball", "--size", "16", "-o", scan});
   expect_failure({"render", scan, "--labels", scan, "-o", picture_}, 1,

@@ -124,6 +124,7 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(ResampleOptions),
     OVOID_TYPE(StepSource),
     OVOID_TYPE(StoredSamples),
+    OVOID_TYPE(StepTimes),
     OVOID_TYPE(SeriesOptions),
     OVOID_TYPE(Series),
     OVOID_TYPE(StepWeight),

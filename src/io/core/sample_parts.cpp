@@ -201,11 +201,6 @@ void check_num_steps(const std::string& where, std::int64_t num_steps) {
                                                    num_steps, kMaxNumSteps));
 }
 
-std::string chosen_step_note(const std::string& name, std::int64_t step, std::int64_t num_steps) {
-  return fmt::format("{}: step {} of {}, the first that varies; choose with --step", name, step,
-                     num_steps);
-}
-
 void check_step(const std::string& name, std::int64_t step, std::int64_t num_steps) {
   if (step >= 0 && step < num_steps) return;
   throw Error(ErrorCode::kInvalidArgument,

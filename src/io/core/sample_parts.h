@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "data/shown_step.h"
 #include "io/core/byte_source.h"
 #include "io/core/decode.h"
 #include "ovoid/dataset.h"
@@ -61,8 +62,7 @@ StepSamples read_step(const SampleParts& parts, const StepLayout& layout,
 // Error(kUnsupported) naming `where`.
 void check_num_steps(const std::string& where, std::int64_t num_steps);
 
-// "a.nii: step 3 of 10, the first that varies; choose with --step"
-std::string chosen_step_note(const std::string& name, std::int64_t step, std::int64_t num_steps);
+using data::chosen_step_note;
 
 // Throws Error(kInvalidArgument) if there is no such step.
 void check_step(const std::string& name, std::int64_t step, std::int64_t num_steps);

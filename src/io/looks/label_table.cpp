@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names and colours of labels. What their files have in common: a line for each label, its number
-// first. Behind it come a name and colours, or, in ITK-SNAP's, colours and a name in quotes.
+// first. Behind it come a name and colours, or, in ITK-SNAP's, colours and a name in quotes. JSON
+// is our own: {"1": "liver", "2": ["spleen", "#c05030", 0.5]}.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 
 #include "io/core/byte_source.h"
 #include "io/core/header_lines.h"
+#include "io/core/json_file.h"
 #include "io/core/numbers.h"
 #include "io/core/text_file.h"
 #include "io/core/text_scanner.h"
@@ -155,8 +157,43 @@ void drop_meaningless_opacities(std::vector<LabelEntry>& entries) {
   for (LabelEntry& entry : entries) entry.opacity.reset();
 }
 
-std::vector<LabelEntry> entries_of_text(const std::string& path) {
-  const std::string text = io::read_text(path, kMaxTableBytes);
+// A name, or a list of it, a colour and an opacity, of which the last may be missing.
+LabelEntry json_entry(const io::JsonValue& value, int label) {
+  LabelEntry entry;
+  entry.label = label;
+  if (value.json().is_string()) {
+    entry.name = value.string();
+    return entry;
+  }
+  if (!value.json().is_array() || value.size() < 1 || value.size() > 3)
+    value.refuse("must be a name, or a name, a colour and an opacity");
+  entry.name = value.element(0).string();
+  if (value.size() > 1 && !value.element(1).json().is_null()) {
+    entry.color = hex_color(value.element(1).string());
+    if (!entry.color) value.element(1).refuse("must be a colour as #rrggbb, or null");
+  }
+  if (value.size() > 2) {
+    entry.opacity = value.element(2).number();
+    if (!(*entry.opacity >= 0 && *entry.opacity <= 1))
+      value.element(2).refuse("must be an opacity from 0 to 1");
+  }
+  return entry;
+}
+
+std::vector<LabelEntry> entries_of_json(const std::string& text, const std::string& name) {
+  const io::Json json = io::parse_json(text, name);
+  const io::JsonValue root(json, name + ": ");
+  std::vector<LabelEntry> entries;
+  for (const auto& item : root.object().json().items()) {
+    const auto label = label_in(item.key());
+    const io::JsonValue value = root.member(item.key());
+    if (!label) value.refuse("its name must be a label");
+    entries.push_back(json_entry(value, *label));
+  }
+  return entries;
+}
+
+std::vector<LabelEntry> entries_of_rows(const std::string& text, const std::string& path) {
   std::vector<LabelEntry> entries;
   std::optional<TitledColumns> columns;
   bool is_snap = false;
@@ -181,6 +218,11 @@ std::vector<LabelEntry> entries_of_text(const std::string& path) {
   }
   if (!is_snap) drop_meaningless_opacities(entries);
   return entries;
+}
+
+std::vector<LabelEntry> entries_of_text(const std::string& text, const std::string& name) {
+  return io::trimmed(text).starts_with('{') ? entries_of_json(text, name)
+                                            : entries_of_rows(text, name);
 }
 
 // Of a segmentation, whose header has lines "Segment0_Name:=Liver".
@@ -233,21 +275,14 @@ std::vector<LabelEntry> entries_of_nrrd(const io::ByteSource& source, int layer)
   return entries;
 }
 
-}  // namespace
-
-std::vector<LabelEntry> read_label_table(const std::string& path, int layer) {
-  const auto source = io::open_file(path);
-  std::array<char, 8> start{};
-  const auto num = static_cast<std::size_t>(std::min<std::int64_t>(start.size(), source->size()));
-  source->read(0, std::as_writable_bytes(std::span(start).first(num)));
-  const bool is_nrrd = io::looks_like_nrrd({start.data(), num});
-  std::vector<LabelEntry> all = is_nrrd ? entries_of_nrrd(*source, layer) : entries_of_text(path);
+// By number, of a label that is there twice the last.
+std::vector<LabelEntry> table_of(std::vector<LabelEntry> all, const std::string& name) {
   if (all.empty()) {
     throw Error(
         ErrorCode::kFileFormat,
         fmt::format("{}: has no labels; expected lines of a number, a name and perhaps red, "
                     "green, blue and opacity (docs/labels.md)",
-                    path));
+                    name));
   }
   std::map<int, LabelEntry> last;
   for (LabelEntry& entry : all) last[entry.label] = std::move(entry);
@@ -255,6 +290,25 @@ std::vector<LabelEntry> read_label_table(const std::string& path, int layer) {
   entries.reserve(last.size());
   for (auto& [label, entry] : last) entries.push_back(std::move(entry));
   return entries;
+}
+
+}  // namespace
+
+std::vector<LabelEntry> label_table_from_text(const std::string& text,
+                                              const std::string& source_name) {
+  io::require_size(text.size(), kMaxTableBytes, source_name);
+  return table_of(entries_of_text(text, source_name), source_name);
+}
+
+std::vector<LabelEntry> read_label_table(const std::string& path, int layer) {
+  const auto source = io::open_file(path);
+  std::array<char, 8> start{};
+  const auto num = static_cast<std::size_t>(std::min<std::int64_t>(start.size(), source->size()));
+  source->read(0, std::as_writable_bytes(std::span(start).first(num)));
+  const bool is_nrrd = io::looks_like_nrrd({start.data(), num});
+  return table_of(is_nrrd ? entries_of_nrrd(*source, layer)
+                          : entries_of_text(io::read_text(path, kMaxTableBytes), path),
+                  path);
 }
 
 }  // namespace ovoid

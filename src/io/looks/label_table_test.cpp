@@ -77,6 +77,24 @@ TEST_F(LabelTable, RowsOfANumberAndAName) {
   EXPECT_EQ(entries[2].name, "Last_Counts");
 }
 
+TEST_F(LabelTable, Json) {
+  const std::string text =
+      R"( {"12": ["Vein of Galen", "#0066ff", 0.25], "-3": "spleen", "7": ["liver", null], "12": ["vein", "#ff0000"]})";
+  const auto entries = read(text);
+  ASSERT_EQ(entries.size(), 3U);
+  EXPECT_EQ(entries[0].label, -3);
+  EXPECT_EQ(entries[0].name, "spleen");
+  EXPECT_FALSE(entries[0].color || entries[0].opacity);
+  EXPECT_EQ(entries[1].name, "liver");
+  EXPECT_FALSE(entries[1].color);
+  EXPECT_EQ(entries[2].name, "vein");
+  EXPECT_EQ(entries[2].color, (Rgb{1, 0, 0}));
+  const auto again = label_table_from_text(R"({"12": ["a", "#0066ff", 0.25]})");
+  EXPECT_EQ(again[0].color, (Rgb{0, 0.4, 1}));
+  EXPECT_EQ(again[0].opacity, 0.25);
+  EXPECT_EQ(label_table_from_text("5 heart 255 0 0 255\n")[0].name, "heart");
+}
+
 TEST_F(LabelTable, ASegmentationsHeader) {
   const std::string header =
       "NRRD0004\ntype: unsigned char\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n"
@@ -104,6 +122,14 @@ TEST_F(LabelTable, WhatIsWrongIsNamed) {
   expect_refused("1 255 0 0 2 1 1 \"x\"\n", "opacity");
   expect_refused("index\tname\nx\ty\n", "'x'");
   expect_refused("NRRD0004\nSegment0_LabelValue:=one\n\n", "line 2");
+  expect_refused("{", "JSON");
+  expect_refused("{}", "has no labels");
+  expect_refused(R"({"liver": 1})", "its name must be a label");
+  expect_refused(R"({"1.5": "liver"})", "its name must be a label");
+  expect_refused(R"({"1": 2})", "must be a name");
+  expect_refused(R"({"1": []})", "must be a name");
+  expect_refused(R"({"1": ["liver", "red"]})", "#rrggbb");
+  expect_refused(R"({"1": ["liver", null, 2]})", "an opacity from 0 to 1");
   EXPECT_THROW(read_label_table(folder_.file("none.txt")), Error);
 }
 

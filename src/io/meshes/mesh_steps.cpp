@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "data/bookkeeping.h"
+#include "data/shown_step.h"
 #include "io/core/sample_parts.h"
 #include "ovoid/error.h"
 
@@ -23,15 +23,11 @@ Dataset read_mesh_step(const std::string& name, std::int64_t num_steps,
     return dataset;
   };
   if (options.step) return finish(read(*options.step), *options.step);
-  for (std::int64_t step = 0; step < num_steps; ++step) {
+  return data::shown_step(name, num_steps, options.array, [&](std::int64_t step) {
     if (options.stop.stop_requested())
       throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
-    Dataset dataset = read(step);
-    if (!data::is_worth_showing(dataset, options.array)) continue;
-    if (num_steps > 1) dataset.notes.push_back(chosen_step_note(name, step, num_steps));
-    return finish(std::move(dataset), step);
-  }
-  return finish(read(0), 0);
+    return finish(read(step), step);
+  });
 }
 
 }  // namespace ovoid::io

@@ -170,7 +170,7 @@ def test_every_setting_is_told():
     assert set(told) == flags - of_runs
 
 
-@pytest.mark.parametrize("module", ["_scene", "_data", "_functions", "_meshes", "_picture", "_settings"])
+@pytest.mark.parametrize("module", ["_scene", "_data", "_functions", "_meshes", "_picture", "_series", "_settings"])
 def test_examples_of_docstrings(tmp_path, monkeypatch, module):
     monkeypatch.chdir(tmp_path)
     found = doctest.testmod(importlib.import_module(f"ovoid.{module}"))

@@ -281,9 +281,8 @@ class TeamSource final : public KernelSource {
         count += static_cast<std::size_t>(counts.back());
       });
       if (count == 0) continue;
-      Letter letter = owner == team_->number()
-                          ? written(*own_, *layout_, first_own_, chosen)
-                          : team_->fetch(owner, every_question_, stride);
+      Letter letter = owner == team_->number() ? written(*own_, *layout_, first_own_, chosen)
+                                               : team_->fetch(owner, every_question_, stride);
       columns_.check(letter, count, owner);
       const std::size_t number = some->add(std::move(letter), count);
       std::int64_t first = 0;

@@ -154,7 +154,7 @@ struct Sum {
 class PlaneSums {
  public:
   PlaneSums(const SpaceTime& space_time, const HyperplaneFrame& frame,
-             const LatticeGeometry& lattice, const HypersliceOptions& options)
+            const LatticeGeometry& lattice, const HypersliceOptions& options)
       : space_time_(space_time),
         frame_(frame),
         lattice_(lattice),

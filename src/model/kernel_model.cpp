@@ -172,8 +172,7 @@ KernelField field_of(const model::ModelRun& run, std::shared_ptr<const KernelSou
   sums.values.resize(
       static_cast<std::size_t>(data::count_of_every(source->num_kernels(), sums.stride)));
   const KernelField unsampled(source, sums, 0, color);
-  sums.values =
-      model::joined(run, data::sums_at_kernels(unsampled, sums.stride, part_of(run)));
+  sums.values = model::joined(run, data::sums_at_kernels(unsampled, sums.stride, part_of(run)));
   return {std::move(source), std::move(sums), 0, color};
 }
 

@@ -70,8 +70,7 @@ class LightVolumes {
     Key strengths;  // what the volume is made of
     view::LightVolume volume;
   };
-  Kept& kept_for(const LitScene& scene, int threads, const std::stop_token& stop,
-                 KernelTeam* team);
+  Kept& kept_for(const LitScene& scene, int threads, const std::stop_token& stop, KernelTeam* team);
 
   std::vector<Kept> kept_;  // the last used first
 };

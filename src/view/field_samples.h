@@ -27,8 +27,7 @@ void for_values_at_kernels(const KernelField& field, std::int64_t most, const Bo
   data::for_every_kernel(
       source, sums != nullptr ? sums->stride : data::stride_for(source.num_kernels(), most),
       [&](const KernelBrick& brick, const KernelView& view, std::int32_t i) {
-        body(brick, view, i,
-             sums != nullptr ? sums->values[next++] : view.value[attribute][i]);
+        body(brick, view, i, sums != nullptr ? sums->values[next++] : view.value[attribute][i]);
       });
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -270,6 +271,24 @@ class TeamSource final : public KernelSource {
   }
 
   std::shared_ptr<const KernelSource> every(std::int64_t stride) const override {
+    const std::scoped_lock lock(chosen_mutex_);
+    for (const auto& [of, chosen] : chosen_) {
+      if (of == stride) return chosen;
+    }
+    std::rotate(chosen_.begin(), chosen_.end() - 1, chosen_.end());
+    chosen_.front() = {stride, fetched(stride)};
+    return chosen_.front().second;
+  }
+
+  std::size_t resident_bytes() const noexcept override {
+    return (own_ ? own_->resident_bytes() : 0) + layout_->bricks.size() * sizeof(KernelBrick) +
+           pages_.count() * static_cast<std::size_t>(page_bytes());
+  }
+
+ private:
+  static constexpr std::int64_t kLeastPages = 8;
+
+  std::shared_ptr<const KernelSource> fetched(std::int64_t stride) const {
     auto some = std::make_shared<ChosenKernels>(set_, columns_);
     for (int owner = 0; owner < team_->count(); ++owner) {
       const Chosen chosen = every_of(*layout_, owner, stride);
@@ -293,14 +312,6 @@ class TeamSource final : public KernelSource {
     }
     return some;
   }
-
-  std::size_t resident_bytes() const noexcept override {
-    return (own_ ? own_->resident_bytes() : 0) + layout_->bricks.size() * sizeof(KernelBrick) +
-           pages_.count() * static_cast<std::size_t>(page_bytes());
-  }
-
- private:
-  static constexpr std::int64_t kLeastPages = 8;
 
   std::int64_t usual_kept_bytes() const noexcept {
     constexpr std::int64_t kLeast = std::int64_t{64} << 20;
@@ -345,6 +356,9 @@ class TeamSource final : public KernelSource {
   int page_question_ = 0;
   int every_question_ = 0;
   mutable PageCache<Letter> pages_;
+  // Of the two strides that were asked for last: range and report, sums and framing share theirs.
+  mutable std::mutex chosen_mutex_;
+  mutable std::array<std::pair<std::int64_t, std::shared_ptr<const KernelSource>>, 2> chosen_{};
 };
 
 }  // namespace

@@ -260,8 +260,8 @@ TEST(TeamField, LooksAreMadeTogether) {
   Room room(kProcesses);
   const auto looks = run_as_team(room, [&](const std::shared_ptr<KernelTeam>& team) {
     KernelModelReport report;
-    const KernelField field = make_team_field(share_of(whole, team->number(), kProcesses),
-                                              {options, 64 << 20}, team, &report);
+    const KernelField field =
+        make_team_field(share_of(whole, team->number(), kProcesses), {options, 1}, team, &report);
     return default_look(Field(field));
   });
   for (const Look& look : looks) {
@@ -270,10 +270,10 @@ TEST(TeamField, LooksAreMadeTogether) {
       EXPECT_NEAR(look.transfer_function.opacities[i].x, alone.transfer_function.opacities[i].x,
                   1e-3 * alone.transfer_function.hi());
   }
-  // If each fetched all of the others' once, it would be as many.
+  // Twice what it is if each fetches all of the others' once.
   constexpr std::int64_t kColumns = 3 + 1 + 1 + 1;
   const auto num_bytes = std::ssize(points) * kColumns * std::int64_t{sizeof(float)};
-  EXPECT_LT(room.num_fetched_bytes(), (kProcesses - 1) * num_bytes);
+  EXPECT_LT(room.num_fetched_bytes(), 2 * (kProcesses - 1) * num_bytes);
   EXPECT_GT(room.num_fetched_bytes(), 0);
 }
 

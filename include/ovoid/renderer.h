@@ -40,8 +40,8 @@ struct RenderHooks {
   std::function<void(double fraction)> progress;  // in [0, 1], not decreasing
   std::function<void(const TileDone&)> tile_done;
   // Processes that draw the same frame at the same time, each a part of its own: they make together
-  // what is of the whole, light from a coarse volume. All render, or all but this one wait. Null:
-  // alone.
+  // what is of the whole, light from a coarse volume. If one does not render, the others wait for
+  // it. Null: alone.
   std::shared_ptr<KernelTeam> team;
 };
 

@@ -94,8 +94,7 @@ const Table<LabelFlags>& label_settings() {
       {"--label-table", word("FILE|JSON", Content::kLabels), &L::table,
        "names and colours of labels: .ctbl, .seg.nrrd, ITK-SNAP's or FreeSurfer's text, BIDS' "
        "dseg.tsv, or JSON itself, as {\"1\": \"liver\", \"2\": [\"spleen\", \"#c05030\"]} "
-       "(default: the "
-       "label file's own, if it has one)",
+       "(default: the label file's own, if it has one)",
        lit},
       {"--label-opacity",
        {"LABEL=A,...",

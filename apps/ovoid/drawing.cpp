@@ -109,7 +109,7 @@ std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingF
   options.array = modelled.array;
   if (modelled.color_array != modelled.array) options.color_array = modelled.color_array;
   options.component = modelled.component;
-  auto surface = make_surface(dataset, options, session.stop());
+  auto surface = dataset.share ? modelled.surface : make_surface(dataset, options, session.stop());
   if (surface == nullptr && drawing.surface.opacity.value_or(0) > 0) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("--surface: '{}' has no cells whose faces are known", dataset.source));

@@ -53,7 +53,7 @@ Modelled make_kernels(const Dataset& dataset, const ModelFlags& model, int threa
   Modelled made;
   made.component = options.component;
   made.field = dataset.share
-                   ? make_team_field(dataset, {options, model.kept_bytes},
+                   ? make_team_field(dataset, {options, model.kept_bytes, &made.surface},
                                      session.team()->kernels(), &made.kernels, session.stop())
                    : make_kernel_field(dataset, options, &made.kernels, session.stop());
   made.array = made.kernels.array;

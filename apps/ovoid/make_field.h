@@ -21,6 +21,7 @@ struct Modelled {
   int component = 0;        // of the array: what was asked for, or the usual one
   LatticeModelReport lattice;
   KernelModelReport kernels;
+  std::shared_ptr<const Surface> surface;  // of a mesh that a team has; else it is not made here
 };
 
 // What a component means for an array: kUsualComponent becomes another.

@@ -178,10 +178,16 @@ struct Cells {
   std::int64_t count() const noexcept;
 };
 
-// Which of a file's rows a dataset holds: `first` and those behind it, of `total`.
+// Which of a file's rows a dataset holds: `first` and those behind it, of `total`. Of a mesh the
+// rows are its cells, as its files count them, and it holds fewer where some of them are duplicates
+// or hidden; its nodes are those of these cells, and each node of no cell is in one share.
 struct DatasetShare {
   std::int64_t first = 0;
   std::int64_t total = 0;
+  // kMesh: [num_positions()] which nodes of the whole they are, rising: 2^32 times the number of
+  // the piece that has the node, plus its number there. Of nodes that several pieces have at one
+  // place those of the first piece count.
+  SharedValues<std::uint64_t> nodes{};
   // The array of the whole that is drawn where none is named, once it is agreed upon
   // (agree_on_array()); empty: not yet.
   std::string array{};
@@ -202,9 +208,9 @@ struct Dataset {
   // kKernels: how they are meant to be summed and cut off, in sigmas, where that is known.
   std::optional<Reconstruction> reconstruction;
   std::optional<double> cutoff;
-  // kParticles, kKernels: set if a share of the rows was asked for (ReadOptions::share), which may
-  // be none: positions and arrays have rows [first, first + num_positions()) of the whole, and all
-  // else is the whole's.
+  // Everything but lattices: set if a share of the rows was asked for (ReadOptions::share), which
+  // may be none: positions and arrays have rows [first, first + num_positions()) of the whole, of
+  // meshes what DatasetShare says, and all else is the whole's.
   std::optional<DatasetShare> share;
   Space space = Space::kNone;
   std::vector<DataArray> arrays;

@@ -71,11 +71,11 @@ struct ReadOptions {
   // zeros.
   bool faces = false;
   Hdf5Options hdf5;
-  // Of particles and stored kernels this run of the rows alone: many processes read a file
-  // together, and none holds all of it where docs/formats.md says so. Everything else is read
-  // whole. What a reader finds out from all rows (notes, a periodic box, which step is the first
-  // that varies) is the same in every share; numbers that are damaged are found by the share that
-  // holds them.
+  // Of particles, stored kernels, boxes and the cells of meshes this run of the rows alone: many
+  // processes read a file together, and none holds all of it where docs/formats.md says so.
+  // Lattices are read whole. What a reader finds out from all rows (notes, a periodic box, which
+  // step is the first that varies) is the same in every share, but for notes on the pieces of a
+  // mesh; numbers that are damaged are found by the share that holds them.
   std::optional<RowShare> share;
   // Files that the input names (pieces, data files, external storage) may also lie below these
   // folders; without any, in the input's own folder alone, and HDF5 files take nothing from others.

@@ -137,17 +137,20 @@ KernelField make_kernel_field(const Dataset& dataset, const KernelModelOptions& 
 // shares, in the order of the processes' numbers): the same field in all of them, with the bricks
 // that one process alone would make. Each process keeps about as many kernels as the others; those
 // of other bricks it fetches when they are acquired, and keeps the last used ones. Of the report,
-// counts are those of all. Particles, with sizes from a file or from their neighbours
-// (can_be_shared()), and stored kernels. Throws what make_kernel_field() throws, in the process
-// that finds it, what the team throws in others; Error(kUnsupported) for other datasets and
-// options. Memory: the share's kernels twice while they are sorted; then its kernels, about a
-// byte for each kernel of all (their bricks), and what it has fetched. Cost:
-// every kernel is sent once or twice; particles near the edge of a share are looked for in others.
+// counts are those of all. Everything but what can_be_shared() refuses. Throws what
+// make_kernel_field() throws, in the process that finds it, what the team throws in others;
+// Error(kUnsupported) for options that can_be_shared() refuses. Memory: the share's kernels twice
+// while they are sorted, before that a mesh's cells twice; then its kernels, about a byte for each
+// kernel of all (their bricks), and what it has fetched. Cost: every kernel is sent once or twice,
+// and so are nodes and cells; what is near the edge of a share is looked for in others.
 struct TeamFieldOptions {
   KernelModelOptions kernels{};
   // Of the kernels that it has fetched, as many bytes are kept; 0: as its own take, at least
   // 64 MiB.
   std::int64_t kept_bytes = 0;
+  // Of meshes and boxes: what make_surface() makes of the whole, with its options those above, goes
+  // there in each process; null: is not made. All give it, or none.
+  std::shared_ptr<const Surface>* surface = nullptr;
 };
 KernelField make_team_field(const Dataset& share, const TeamFieldOptions& options,
                             const std::shared_ptr<KernelTeam>& team,

@@ -38,10 +38,10 @@ inline KernelTeam::Letters letters_of(const RowLists& lists, std::size_t row_byt
   return letters;
 }
 
-// Appends rows of a column, `width` numbers each, to the letters, and frees the column.
+// Appends rows of a column, `width` numbers each, to the letters.
 template <class T>
 void append_rows(KernelTeam::Letters& letters, const RowLists& lists, std::size_t width,
-                 std::vector<T>& column) {
+                 const std::vector<T>& column) {
   for (std::size_t p = 0; p < lists.size(); ++p) {
     Letter& letter = letters[p];
     std::size_t to = letter.size();
@@ -51,6 +51,13 @@ void append_rows(KernelTeam::Letters& letters, const RowLists& lists, std::size_
       to += width * sizeof(T);
     }
   }
+}
+
+// The same, and frees the column.
+template <class T>
+void append_rows(KernelTeam::Letters& letters, const RowLists& lists, std::size_t width,
+                 std::vector<T>& column) {
+  append_rows(letters, lists, width, std::as_const(column));
   column = {};
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "data/parallel.h"
 #include "model/kernel_groups.h"
@@ -43,6 +44,7 @@ void sum_weights(const AmplitudeProblem& problem, const KernelGroups& groups,
           groups.find_near(groups.centers_of(g), near);
           for (std::size_t i = 0; i < groups.size_of(g); ++i) {
             const std::size_t kernel = groups.kernel(g, i);
+            if (kernel >= sums.size()) continue;
             const double* const at = problem.centers.data() + 3 * kernel;
             sums[kernel] = sum_at({at[0], at[1], at[2]}, near);
           }
@@ -53,17 +55,20 @@ void sum_weights(const AmplitudeProblem& problem, const KernelGroups& groups,
 }  // namespace
 
 std::vector<float> fit_amplitudes(const AmplitudeProblem& problem, std::vector<float>& weights) {
-  std::vector<float> sums(weights.size());
-  const KernelGroups groups(problem.centers, problem.shapes, problem.cutoff, problem.threads);
+  std::vector<float> sums(weights.size() - problem.num_others);
+  std::optional<KernelGroups> groups;
+  if (!sums.empty())
+    groups.emplace(problem.centers, problem.shapes, problem.cutoff, problem.threads);
   for (int pass = 0; pass <= problem.passes; ++pass) {
-    sum_weights(problem, groups, weights, sums);
+    if (groups) sum_weights(problem, *groups, weights, sums);
     if (pass == problem.passes) break;
-    for (std::size_t i = 0; i < weights.size(); ++i) {
+    for (std::size_t i = 0; i < sums.size(); ++i) {
       const double ratio = static_cast<double>(sums[i] / problem.targets[i]);
       const double change =
           std::clamp(std::pow(ratio, -kPassExponent), 1 / kMostChange, kMostChange);
       weights[i] = static_cast<float>(static_cast<double>(weights[i]) * change);
     }
+    if (problem.renew) problem.renew(weights);
   }
   return sums;
 }

@@ -213,12 +213,18 @@ Boxes load_boxes(const ModelRun& run) {
   return boxes;
 }
 
-std::vector<BoxFace> outer_faces(const Boxes& boxes, const std::stop_token& stop) {
+double least_edge_of(const Boxes& boxes) noexcept {
+  double least = std::numeric_limits<double>::infinity();
+  for (const double edge : boxes.edges) least = std::min(least, edge);
+  return least;
+}
+
+std::vector<BoxFace> outer_faces(const Boxes& boxes, double least_edge,
+                                 const std::stop_token& stop) {
   std::vector<BoxFace> left;
   if (boxes.count() == 0) return left;
   // A power of two, so that places on the grid are exact.
-  const double least = *std::min_element(boxes.edges.begin(), boxes.edges.end());
-  const double pitch = std::exp2(std::floor(std::log2(least / 1000)));
+  const double pitch = std::exp2(std::floor(std::log2(least_edge / 1000)));
   for (std::uint8_t axis = 0; axis < 3; ++axis) {
     std::vector<BoxFace> faces = faces_along(boxes, axis, pitch);
     std::sort(faces.begin(), faces.end(), is_face_before);

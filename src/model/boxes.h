@@ -41,7 +41,12 @@ struct BoxFace {
 // as it would pass of all of them, but for pairs at one place. Boxes that overlap keep their faces
 // within each other. Faces lie on a grid of a thousandth of the least edge or finer, so that those
 // of boxes that touch lie at the same places to the bit; boxes without a finite place have none.
-// In no order of the boxes. Throws Error(kCancelled). Cost: n log n, n log^2 n where sizes meet.
-std::vector<BoxFace> outer_faces(const Boxes& boxes, const std::stop_token& stop);
+// `least_edge`: of the boxes, or of more that they are among. In no order of the boxes. Throws
+// Error(kCancelled). Cost: n log n, n log^2 n where sizes meet.
+std::vector<BoxFace> outer_faces(const Boxes& boxes, double least_edge,
+                                 const std::stop_token& stop);
+
+// Infinite without boxes.
+double least_edge_of(const Boxes& boxes) noexcept;
 
 }  // namespace ovoid::model

@@ -3,9 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 
 #include "model/amplitudes.h"
+#include "model/kernel_halo.h"
 #include "model/particle_lengths.h"
+#include "model/team_run.h"
+#include "model/team_sites.h"
 
 namespace ovoid::model {
 
@@ -13,8 +18,13 @@ namespace {
 
 // Sites without a neighbourhood become balls as particles do.
 void make_balls_of_lone(const ModelRun& run, EllipsoidSites& sites) {
+  const std::span<const double> centers = sites.parts.centers;
   std::vector<float> lengths =
-      nearest_statistics(run, sites.parts.centers, std::nullopt, WithCovariances::kNo).lengths;
+      run.team == nullptr
+          ? nearest_statistics(run, centers, std::nullopt, WithCovariances::kNo).lengths
+          : team_lengths(run, centers,
+                         total_of(run, static_cast<std::int64_t>(sites.parts.count())),
+                         std::nullopt);
   raise_zero_lengths(run, lengths);
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     SiteKernel& kernel = sites.kernels[i];
@@ -26,16 +36,19 @@ void make_balls_of_lone(const ModelRun& run, EllipsoidSites& sites) {
 }
 
 void report_sums(const ModelRun& run, const EllipsoidSites& sites, const std::vector<float>& sums) {
-  double count = 0, mean = 0, square = 0;
+  double count = 0, total = 0, square = 0;
   for (std::size_t i = 0; i < sums.size(); ++i) {
     if (sites.kernels[i].target < 0.99) continue;
     const auto sum = static_cast<double>(sums[i]);
     count += 1;
-    mean += sum;
+    total += sum;
     square += sum * sum;
   }
+  count = total_of(run, count);
+  total = total_of(run, total);
+  square = total_of(run, square);
   if (count == 0) return;
-  mean /= count;
+  const double mean = total / count;
   run.report.constant_mean = mean;
   run.report.constant_deviation = std::sqrt(std::max(0.0, square / count - mean * mean));
 }
@@ -45,9 +58,9 @@ void report_sums(const ModelRun& run, const EllipsoidSites& sites, const std::ve
 KernelParts fit_ellipsoids(const ModelRun& run, EllipsoidSites sites) {
   KernelParts& parts = sites.parts;
   const std::size_t count = parts.count();
-  if (std::any_of(sites.kernels.begin(), sites.kernels.end(),
-                  [](const SiteKernel& kernel) { return kernel.is_alone; }))
-    make_balls_of_lone(run, sites);
+  const auto num_alone = std::count_if(sites.kernels.begin(), sites.kernels.end(),
+                                       [](const SiteKernel& kernel) { return kernel.is_alone; });
+  if (total_of(run, std::int64_t{num_alone}) > 0) make_balls_of_lone(run, sites);
   parts.shape = KernelShape::kEllipsoids;
   parts.cutoff = run.options.cutoff.value_or(kMeshCutoff);
   parts.reconstruction = run.options.reconstruction.value_or(Reconstruction::kNormalized);
@@ -64,10 +77,17 @@ KernelParts fit_ellipsoids(const ModelRun& run, EllipsoidSites sites) {
     targets[i] = static_cast<float>(kernel.target);
     if (kernel.is_degenerate) ++run.report.num_degenerate;
   }
-  const std::vector<float> sums =
-      fit_amplitudes({parts.centers, parts.shapes, targets, parts.cutoff,
-                      run.options.amplitude_passes, run.threads, run.stop},
-                     parts.weights);
+  std::optional<KernelHalo> halo;
+  if (run.team != nullptr) halo.emplace(run, parts);
+  AmplitudeProblem problem{
+      parts.centers, parts.shapes, targets, parts.cutoff, run.options.amplitude_passes,
+      run.threads,   run.stop};
+  if (halo) {
+    problem.num_others = parts.count() - count;
+    problem.renew = [&](std::vector<float>& weights) { halo->renew(weights); };
+  }
+  const std::vector<float> sums = fit_amplitudes(problem, parts.weights);
+  if (halo) halo->remove_from(parts);
   report_sums(run, sites, sums);
   return std::move(parts);
 }

@@ -234,12 +234,13 @@ KernelField make_team_field(const Dataset& share, const TeamFieldOptions& option
   KernelModelReport own;
   const model::ModelRun run = {
       share, options.kernels, own, data::resolve_threads(options.kernels.threads), std::move(stop),
-      team};
+      team,  options.surface};
   return modelled(
       run,
       [&](model::KernelParts& parts) {
-        for (std::int64_t* const count : {&own.num_sites, &own.num_missing, &own.num_misplaced,
-                                          &own.num_merged, &own.num_copies, &own.num_degenerate})
+        for (std::int64_t* const count :
+             {&own.num_sites, &own.num_missing, &own.num_misplaced, &own.num_dangling,
+              &own.num_merged, &own.num_copies, &own.num_degenerate})
           *count = model::total_of(run, *count);
         return model::share_in_bricks(run, std::move(parts), options.kept_bytes);
       },

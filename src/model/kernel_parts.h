@@ -25,6 +25,7 @@ struct ModelRun {
   int threads = 1;
   std::stop_token stop{};
   std::shared_ptr<KernelTeam> team{};  // with others, each of a share of the dataset; null: alone
+  std::shared_ptr<const Surface>* surface = nullptr;  // where it goes, of all; null: is not wanted
 };
 
 // Kernels site by site; becomes KernelColumns. A column of shapes or weights may hold one for all.

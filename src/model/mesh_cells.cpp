@@ -7,8 +7,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "data/parallel.h"
+#include "model/team_run.h"
 #include "ovoid/error.h"
 
 namespace ovoid::model {
@@ -19,14 +21,10 @@ namespace {
   throw Error(ErrorCode::kInvalidArgument, fmt::format("'{}': {}", run.dataset.source, what));
 }
 
-// Equal places give equal hashes; -0 and 0 are one place.
-std::size_t hash_of_place(const Vec3& place) noexcept {
-  std::uint64_t hash = 0;
-  for (const double coordinate : place) {
-    hash = (hash ^ std::bit_cast<std::uint64_t>(coordinate + 0.0)) * 0x9E3779B97F4A7C15U;
-    hash ^= hash >> 32;
-  }
-  return hash;
+void point_at_own(MeshCells& cells) {
+  cells.types = cells.own_types;
+  cells.offsets = cells.own_offsets;
+  cells.connectivity = cells.own_connectivity;
 }
 
 // Hexahedra between the nodes of a grid, quads in a plane, lines along an axis.
@@ -63,14 +61,14 @@ void write_out_grid(const Index3& dims, MeshCells& cells) {
       }
     }
   }
-  cells.types = cells.own_types;
-  cells.offsets = cells.own_offsets;
-  cells.connectivity = cells.own_connectivity;
+  point_at_own(cells);
 }
 
 void check_cells(const ModelRun& run, const MeshCells& cells) {
   const std::int64_t num_nodes = run.dataset.num_positions();
-  if (cells.count() == 0) refuse_mesh(run, "has no cells; as points alone it is no mesh");
+  if (total_of(run, static_cast<std::int64_t>(cells.count())) == 0)
+    refuse_mesh(run, "has no cells; as points alone it is no mesh");
+  if (cells.count() == 0) return;
   if (cells.count() >= std::numeric_limits<std::uint32_t>::max())
     refuse_mesh(run, fmt::format("{} cells, must be fewer than {}", cells.count(),
                                  std::numeric_limits<std::uint32_t>::max()));
@@ -143,9 +141,18 @@ double volume_of(const MeshNodes& nodes, const MeshCells& cells, std::size_t cel
 
 }  // namespace
 
-MeshNodes load_nodes(const ModelRun& run) {
+std::size_t hash_of_place(const Vec3& place) noexcept {
+  std::uint64_t hash = 0;
+  for (const double coordinate : place) {
+    hash = (hash ^ std::bit_cast<std::uint64_t>(coordinate + 0.0)) * 0x9E3779B97F4A7C15U;
+    hash ^= hash >> 32;
+  }
+  return hash;
+}
+
+MeshNodes merged_nodes(std::vector<double> places) {
   MeshNodes nodes;
-  nodes.positions = load_positions(run);
+  nodes.positions = std::move(places);
   const std::size_t mask = std::bit_ceil(2 * nodes.count()) - 1;
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> table(mask + 1, kNone);
@@ -165,6 +172,18 @@ MeshNodes load_nodes(const ModelRun& run) {
   }
   if (nodes.num_merged > 0) nodes.representative = std::move(representative);
   return nodes;
+}
+
+MeshNodes load_nodes(const ModelRun& run) { return merged_nodes(load_positions(run)); }
+
+MeshCells cells_owning(std::vector<CellType> types, std::vector<std::int64_t> offsets,
+                       std::vector<std::uint32_t> connectivity) {
+  MeshCells cells;
+  cells.own_types = std::move(types);
+  cells.own_offsets = std::move(offsets);
+  cells.own_connectivity = std::move(connectivity);
+  point_at_own(cells);
+  return cells;
 }
 
 MeshCells load_cells(const ModelRun& run) {

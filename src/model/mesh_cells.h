@@ -28,7 +28,12 @@ struct MeshNodes {
   bool is_placed(std::uint32_t node) const noexcept { return at(node).allFinite(); }
 };
 
+// Nodes at places [n, 3].
+MeshNodes merged_nodes(std::vector<double> places);
 MeshNodes load_nodes(const ModelRun& run);
+
+// Equal places give equal hashes; -0 and 0 are one place.
+std::size_t hash_of_place(const Vec3& place) noexcept;
 
 // Cells as lists of nodes; the cells of a structured grid are written out.
 struct MeshCells {
@@ -46,8 +51,12 @@ struct MeshCells {
   }
 };
 
+MeshCells cells_owning(std::vector<CellType> types, std::vector<std::int64_t> offsets,
+                       std::vector<std::uint32_t> connectivity);
+
 // Throws Error(kInvalidArgument) that names the cell: no cells, lengths that do not agree, nodes
-// that do not exist, a cell with another number of nodes than its type has.
+// that do not exist, a cell with another number of nodes than its type has. All of a team call it;
+// one of its shares may have no cells.
 MeshCells load_cells(const ModelRun& run);
 
 // Mean of a cell's nodes and their covariance about it. A box has corners of covariance edge^2 / 4:

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // The boundary of a mesh: faces of solid cells that no other cell shares, and flat cells; of boxes,
 // what is left of their faces where no other box goes on (model/boxes.h).
+#include "model/mesh_surface.h"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <span>
 #include <tuple>
+#include <unordered_map>
+#include <utility>
 
+#include "data/letters.h"
 #include "data/out_of_memory.h"
 #include "model/boxes.h"
-#include "model/mesh_cells.h"
+#include "model/local_mesh.h"
+#include "model/team_run.h"
 #include "ovoid/error.h"
 #include "ovoid/model.h"
 #include "ovoid/surface.h"
@@ -18,8 +25,13 @@
 namespace ovoid {
 namespace {
 
+using model::LocalMesh;
 using model::MeshCells;
 using model::MeshNodes;
+
+struct PlaceHash {
+  std::size_t operator()(const Vec3& place) const noexcept { return model::hash_of_place(place); }
+};
 
 // A face of a cell, by its place in lists of nodes. Two cells share a face if they have the same
 // three least nodes of it: more of a face's nodes cannot differ in a mesh that is one.
@@ -59,11 +71,12 @@ bool is_placed(const MeshNodes& nodes, const std::vector<std::uint32_t>& corners
 }
 
 // Newell's: half of the sum of cross products, so that length is area, flat or not.
-Vec3 area_vector(const MeshNodes& nodes, const std::vector<std::uint32_t>& corners) {
+template <class PlaceOf>
+Vec3 area_vector(std::span<const std::uint32_t> corners, const PlaceOf& place_of) {
   Vec3 area = Vec3::Zero();
-  const Vec3 origin = nodes.at(corners[0]);
+  const Vec3 origin = place_of(corners[0]);
   for (std::size_t i = 1; i + 1 < corners.size(); ++i)
-    area += (nodes.at(corners[i]) - origin).cross(nodes.at(corners[i + 1]) - origin);
+    area += (place_of(corners[i]) - origin).cross(place_of(corners[i + 1]) - origin);
   return 0.5 * area;
 }
 
@@ -75,7 +88,8 @@ void turn_outwards(const MeshNodes& nodes, const MeshCells& cells, const Face& f
   for (const std::uint32_t corner : corners) middle += nodes.at(corner);
   middle /= static_cast<double>(corners.size());
   const Vec3 outwards = middle - model::moments_of(nodes, cells.nodes(face.cell)).mean;
-  if (area_vector(nodes, corners).dot(outwards) < 0) std::reverse(corners.begin(), corners.end());
+  const Vec3 area = area_vector(corners, [&](std::uint32_t node) { return nodes.at(node); });
+  if (area.dot(outwards) < 0) std::reverse(corners.begin(), corners.end());
 }
 
 void require_running(const std::stop_token& stop) {
@@ -122,34 +136,146 @@ void keep_outer(std::vector<Face>& faces) {
   faces.resize(kept);
 }
 
-// The faces around each node, as a list of lists.
+// Outer faces as they are drawn: from outside counterclockwise, a value at each corner. Places are
+// numbered in the order in which they are met.
+struct OuterFaces {
+  std::vector<Vec3> places;
+  std::vector<std::uint32_t> sizes;     // corners of each face
+  std::vector<std::uint8_t> are_solid;  // faces of solid cells
+  std::vector<std::uint32_t> corners;   // of all faces
+  std::vector<float> values;            // at the corners
+
+  std::size_t count() const noexcept { return sizes.size(); }
+};
+
+// Which of the places at the corners of outer faces a node is.
+class Places {
+ public:
+  Places(const MeshNodes& nodes, OuterFaces& outer)
+      : nodes_(nodes), outer_(outer), number_of_(nodes.count(), kNone) {}
+
+  std::uint32_t number_of(std::uint32_t node) {
+    std::uint32_t& number = number_of_[node];
+    if (number == kNone) {
+      number = static_cast<std::uint32_t>(outer_.places.size());
+      outer_.places.push_back(nodes_.at(node));
+    }
+    return number;
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  const MeshNodes& nodes_;
+  OuterFaces& outer_;
+  std::vector<std::uint32_t> number_of_;
+};
+
+// A face is its corners' least place's owner's, who has all cells that may share it.
+bool owns_face(const LocalMesh& mesh, const std::vector<std::uint32_t>& corners) {
+  const auto place = [&](std::uint32_t node) {
+    const Vec3 at = mesh.nodes.at(node);
+    return std::tuple(at[0], at[1], at[2]);
+  };
+  return mesh.owns_node(
+      *std::min_element(corners.begin(), corners.end(),
+                        [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); }));
+}
+
+OuterFaces outer_faces_of(const model::ModelRun& run, const LocalMesh& mesh,
+                          const std::vector<Face>& faces) {
+  // Colour's, if that is another.
+  const std::vector<float>& column = mesh.values.columns.back();
+  OuterFaces outer;
+  Places places(mesh.nodes, outer);
+  std::vector<std::uint32_t> corners;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (f % 65536 == 0) require_running(run.stop);
+    corners_of(mesh.nodes, mesh.cells, faces[f], corners);
+    if (!owns_face(mesh, corners)) continue;
+    const bool is_solid = faces[f].number != kFlat;
+    if (is_solid) turn_outwards(mesh.nodes, mesh.cells, faces[f], corners);
+    for (const std::uint32_t corner : corners) {
+      outer.corners.push_back(places.number_of(corner));
+      outer.values.push_back(column[mesh.is_cell_data ? faces[f].cell : corner]);
+    }
+    outer.sizes.push_back(static_cast<std::uint32_t>(corners.size()));
+    outer.are_solid.push_back(is_solid ? 1 : 0);
+  }
+  return outer;
+}
+
+// Those of all processes, in their order; places that several have are one.
+OuterFaces outer_faces_of_all(const model::ModelRun& run, OuterFaces own) {
+  if (run.team == nullptr) return own;
+  data::Letter letter;
+  const std::array<std::uint64_t, 3> counts{own.places.size(), own.sizes.size(),
+                                            own.corners.size()};
+  data::append(letter, std::span<const std::uint64_t>(counts));
+  data::append(letter, std::span<const Vec3>(own.places));
+  data::append(letter, std::span<const std::uint32_t>(own.sizes));
+  data::append(letter, std::span<const std::uint8_t>(own.are_solid));
+  data::append(letter, std::span<const std::uint32_t>(own.corners));
+  data::append(letter, std::span<const float>(own.values));
+  own = {};
+  OuterFaces all;
+  std::unordered_map<Vec3, std::uint32_t, PlaceHash> numbers;
+  for (data::Letter& from : data::gathered_letters(*run.team, letter)) {
+    data::LetterReader reader(from);
+    std::vector<std::uint64_t> num;
+    std::vector<Vec3> places;
+    reader.take(3, num);
+    reader.take(num[0], places);
+    reader.take(num[1], all.sizes);
+    reader.take(num[1], all.are_solid);
+    const std::size_t first = all.corners.size();
+    reader.take(num[2], all.corners);
+    reader.take(num[2], all.values);
+    std::vector<std::uint32_t> number_of;
+    number_of.reserve(places.size());
+    for (const Vec3& place : places) {
+      const auto next = static_cast<std::uint32_t>(all.places.size());
+      const auto [found, is_new] = numbers.try_emplace(place, next);
+      if (is_new) all.places.push_back(place);
+      number_of.push_back(found->second);
+    }
+    for (std::size_t i = first; i < all.corners.size(); ++i)
+      all.corners[i] = number_of[all.corners[i]];
+    from = {};
+  }
+  return all;
+}
+
+// The faces around each place, as a list of lists.
 class FacesAround {
  public:
-  FacesAround(const MeshNodes& nodes, const MeshCells& cells, const std::vector<Face>& faces)
-      : first_(nodes.count() + 1) {
-    std::vector<std::uint32_t> corners;
-    for (const Face& face : faces) {
-      corners_of(nodes, cells, face, corners);
-      areas_.push_back(area_vector(nodes, corners));
-      for (const std::uint32_t node : corners) ++first_[node + 1];
+  explicit FacesAround(const OuterFaces& outer) : first_(outer.places.size() + 1) {
+    std::size_t begin = 0;
+    for (const std::uint32_t size : outer.sizes) {
+      const auto corners = std::span(outer.corners).subspan(begin, size);
+      areas_.push_back(
+          area_vector(corners, [&](std::uint32_t corner) { return outer.places[corner]; }));
+      for (const std::uint32_t corner : corners) ++first_[corner + 1];
+      begin += size;
     }
     for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
     faces_.resize(first_.back());
     std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-      corners_of(nodes, cells, faces[f], corners);
-      for (const std::uint32_t node : corners) faces_[next[node]++] = static_cast<std::uint32_t>(f);
+    begin = 0;
+    for (std::uint32_t f = 0; f < outer.count(); ++f) {
+      for (const std::uint32_t corner : std::span(outer.corners).subspan(begin, outer.sizes[f]))
+        faces_[next[corner]++] = f;
+      begin += outer.sizes[f];
     }
   }
 
   // At a corner of a face: the mean over what goes on smoothly from it.
-  Eigen::Vector3f normal_at(std::uint32_t node, std::size_t face) const {
+  Eigen::Vector3f normal_at(std::uint32_t corner, std::size_t face) const {
     static const double kSmooth = std::cos(Surface::kFeatureAngle * std::numbers::pi / 180);
     const Vec3 own = areas_[face].normalized();
     Vec3 sum = Vec3::Zero();
-    for (std::size_t i = first_[node]; i < first_[node + 1]; ++i) {
+    for (std::size_t i = first_[corner]; i < first_[corner + 1]; ++i) {
       const Vec3& area = areas_[faces_[i]];
-      // Flat cells, and cells inside out, turn either way.
+      // Flat cells turn either way.
       const double cosine = own.dot(area.normalized());
       if (std::abs(cosine) >= kSmooth) sum += cosine < 0 ? Vec3(-area) : area;
     }
@@ -162,56 +288,27 @@ class FacesAround {
   std::vector<std::uint32_t> faces_;
 };
 
-// Places are kept where a corner is, numbered in the order in which they are met.
-class Places {
- public:
-  explicit Places(const MeshNodes& nodes) : nodes_(nodes), number_of_(nodes.count(), kNone) {}
-
-  std::uint32_t number_of(std::uint32_t node, Surface& surface) {
-    std::uint32_t& number = number_of_[node];
-    if (number == kNone) {
-      number = static_cast<std::uint32_t>(surface.places.size());
-      surface.places.push_back(nodes_.at(node));
-      surface.bounds.extend(surface.places.back());
-    }
-    return number;
-  }
-
- private:
-  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  const MeshNodes& nodes_;
-  std::vector<std::uint32_t> number_of_;
-};
-
-struct FaceBuilder {
-  const std::vector<float>& column;  // values of what gives colour
-  bool is_of_cells;                  // a value per cell, else per node
-  std::stop_token stop;
-};
-
-void add_faces(const MeshNodes& nodes, const MeshCells& cells, const std::vector<Face>& faces,
-               const FaceBuilder& builder, Surface& surface) {
-  const FacesAround around(nodes, cells, faces);
-  Places places(nodes);
-  std::vector<std::uint32_t> corners;
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    if (f % 65536 == 0) require_running(builder.stop);
-    corners_of(nodes, cells, faces[f], corners);
-    const bool is_boundary = faces[f].number != kFlat;
-    if (is_boundary) turn_outwards(nodes, cells, faces[f], corners);
-    for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+// Each face a fan of triangles.
+void add_fans(const OuterFaces& outer, const std::stop_token& stop, Surface& surface) {
+  const FacesAround around(outer);
+  std::size_t first = 0;
+  for (std::size_t f = 0; f < outer.count(); ++f) {
+    if (f % 65536 == 0) require_running(stop);
+    const std::uint32_t size = outer.sizes[f];
+    for (std::uint32_t i = 1; i + 1 < size; ++i) {
       Surface::Triangle triangle;
-      triangle.is_boundary = is_boundary;
-      const std::array<std::uint32_t, 3> fan{corners[0], corners[i], corners[i + 1]};
+      triangle.is_boundary = outer.are_solid[f] != 0;
+      const std::array<std::size_t, 3> fan{first, first + i, first + i + 1};
       for (std::size_t c = 0; c < 3; ++c) {
-        triangle.corners[c] = places.number_of(fan[c], surface);
-        triangle.normals[c] = around.normal_at(fan[c], f);
-        triangle.values[c] = builder.column[builder.is_of_cells ? faces[f].cell : fan[c]];
+        triangle.corners[c] = outer.corners[fan[c]];
+        triangle.normals[c] = around.normal_at(triangle.corners[c], f);
+        triangle.values[c] = outer.values[fan[c]];
       }
       triangle.edges =
-          static_cast<std::uint8_t>((i == 1 ? 1U : 0U) | 2U | (i + 2 == corners.size() ? 4U : 0U));
+          static_cast<std::uint8_t>((i == 1 ? 1U : 0U) | 2U | (i + 2 == size ? 4U : 0U));
       surface.triangles.push_back(triangle);
     }
+    first += size;
   }
 }
 
@@ -254,39 +351,59 @@ void add_box_faces(const std::vector<model::BoxFace>& faces, const std::vector<f
   }
 }
 
-std::shared_ptr<const Surface> surface_of_boxes(const model::ModelRun& run,
-                                                const model::ChosenArrays& chosen) {
-  const model::Boxes boxes = model::load_boxes(run);
-  const std::vector<model::BoxFace> faces = model::outer_faces(boxes, run.stop);
-  if (faces.empty()) return nullptr;
-  const model::SiteValues values =
-      model::load_values(run, chosen, static_cast<std::int64_t>(boxes.count()), "cells");
-  auto surface = std::make_shared<Surface>();
-  add_box_faces(faces, values.columns.back(), *surface);
-  return surface;
-}
-
-std::shared_ptr<const Surface> surface_of_mesh(const model::ModelRun& run,
-                                               const model::ChosenArrays& chosen) {
-  const MeshNodes nodes = model::load_nodes(run);
-  const MeshCells cells = model::load_cells(run);
-  std::vector<Face> faces = faces_of(nodes, cells, run.stop);
-  keep_outer(faces);
-  if (faces.empty()) return nullptr;
-  const bool is_of_cells = chosen.is_cell_data;
-  const std::int64_t num_sites =
-      is_of_cells ? static_cast<std::int64_t>(cells.count()) : run.dataset.num_positions();
-  const model::SiteValues values =
-      model::load_values(run, chosen, num_sites, is_of_cells ? "cells" : "nodes");
-  auto surface = std::make_shared<Surface>();
-  surface->leaves_out_cells =
-      std::find(cells.types.begin(), cells.types.end(), CellType::kOther) != cells.types.end();
-  // Colour's, if that is another.
-  add_faces(nodes, cells, faces, {values.columns.back(), is_of_cells, run.stop}, *surface);
-  return surface;
+// Of all processes, in their order.
+Surface joined_surface(const model::ModelRun& run, Surface own) {
+  if (run.team == nullptr) return own;
+  Surface all;
+  data::Letter letter;
+  data::append(letter, std::span<const Surface::Triangle>(own.triangles));
+  const auto triangles = data::gathered_letters(*run.team, letter);
+  const auto places = data::gathered(*run.team, std::span<const Vec3>(own.places));
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    const auto before = static_cast<std::uint32_t>(all.places.size());
+    const std::size_t first = all.triangles.size();
+    data::LetterReader(triangles[p])
+        .take(triangles[p].size() / sizeof(Surface::Triangle), all.triangles);
+    for (std::size_t t = first; t < all.triangles.size(); ++t) {
+      for (std::uint32_t& corner : all.triangles[t].corners) corner += before;
+    }
+    all.places.insert(all.places.end(), places[p].begin(), places[p].end());
+  }
+  for (const Vec3& place : all.places) all.bounds.extend(place);
+  return all;
 }
 
 }  // namespace
+
+namespace model {
+
+std::shared_ptr<const Surface> surface_of_boxes(const ModelRun& run, const LocalBoxes& local) {
+  const double least_edge = least_of(run, least_edge_of(local.boxes));
+  std::vector<BoxFace> faces = outer_faces(with_neighbors(run, local.boxes), least_edge, run.stop);
+  std::erase_if(faces, [&](const BoxFace& face) { return face.box >= local.boxes.count(); });
+  Surface own;
+  add_box_faces(faces, local.values.columns.back(), own);
+  auto surface = std::make_shared<const Surface>(joined_surface(run, std::move(own)));
+  return surface->triangles.empty() ? nullptr : surface;
+}
+
+std::shared_ptr<const Surface> surface_of_mesh(const ModelRun& run, const LocalMesh& mesh) {
+  std::vector<Face> faces = faces_of(mesh.nodes, mesh.cells, run.stop);
+  keep_outer(faces);
+  const OuterFaces outer = outer_faces_of_all(run, outer_faces_of(run, mesh, faces));
+  const auto& types = mesh.cells.types;
+  const bool leaves_out = std::find(types.begin(), types.end(), CellType::kOther) != types.end();
+  const bool any_leaves_out = greatest_of(run, leaves_out ? 1 : 0) > 0;
+  if (outer.count() == 0) return nullptr;
+  auto surface = std::make_shared<Surface>();
+  surface->leaves_out_cells = any_leaves_out;
+  add_fans(outer, run.stop, *surface);
+  surface->places = outer.places;
+  for (const Vec3& place : outer.places) surface->bounds.extend(place);
+  return surface;
+}
+
+}  // namespace model
 
 std::shared_ptr<const Surface> make_surface(const Dataset& dataset,
                                             const KernelModelOptions& options,
@@ -296,7 +413,8 @@ std::shared_ptr<const Surface> make_surface(const Dataset& dataset,
   KernelModelReport report;
   const model::ModelRun run{dataset, options, report, 1, stop};
   const auto chosen = model::choose_arrays(run);
-  return is_boxes ? surface_of_boxes(run, chosen) : surface_of_mesh(run, chosen);
+  return is_boxes ? model::surface_of_boxes(run, model::load_local_boxes(run, chosen))
+                  : model::surface_of_mesh(run, model::load_local_mesh(run, chosen));
 } catch (const std::bad_alloc&) {
   data::throw_out_of_memory("the surface of a mesh", 0);
 }

@@ -6,20 +6,17 @@
 #include <cmath>
 #include <map>
 
-#include "data/kernel_shape.h"
 #include "data/some_kernels.h"
 #include "model/noise.h"
 #include "model/test_datasets.h"
-#include "ovoid/kernel_team.h"
+#include "model/test_teams.h"
 #include "ovoid/look.h"
-#include "ovoid/model.h"
-#include "support/thread_team.h"
 
 namespace ovoid::model {
 namespace {
 
-using testing::Room;
-using testing::run_as_team;
+using ovoid::testing::Room;
+using ovoid::testing::run_as_team;
 
 // Two crowds and a few that lie far from both.
 std::vector<Vec3> crowds(int count, std::uint64_t seed) {
@@ -61,111 +58,40 @@ Dataset share_of(const Dataset& whole, int number, int count) {
   return share;
 }
 
-struct Made {
-  KernelField field;
-  KernelModelReport report;
-};
-
-std::vector<Made> made_together(const Dataset& whole, int count,
-                                const KernelModelOptions& options) {
-  Room room(count);
-  return run_as_team(room, [&](const std::shared_ptr<KernelTeam>& team) {
-    Dataset share = share_of(whole, team->number(), count);
-    agree_on_array(share, *team);
-    Made made;
-    made.field = make_team_field(share, {options, 1 << 20}, team, &made.report);
-    return made;
-  });
+void expect_same_by_rows(const Dataset& whole, const KernelModelOptions& options = {}) {
+  expect_same_together(
+      whole, [&](int number, int count) { return share_of(whole, number, count); }, options);
 }
 
-// One after the other, in the order of the bricks.
-void expect_same(const KernelField& field, const KernelField& expected) {
-  const KernelSource& a = field.source();
-  const KernelSource& b = expected.source();
-  ASSERT_EQ(a.num_kernels(), b.num_kernels());
-  ASSERT_EQ(a.num_bricks(), b.num_bricks());
-  for (std::int64_t i = 0; i < a.num_bricks(); ++i) {
-    const KernelBrick& brick = a.brick(i);
-    const KernelBrick& other = b.brick(i);
-    ASSERT_EQ(brick.count, other.count) << "brick " << i;
-    ASSERT_EQ(brick.origin, other.origin);
-    const double sigma = static_cast<double>(other.least_sigma);
-    ASSERT_LE((brick.support.min() - other.support.min()).norm(), 1e-4 * sigma);
-    ASSERT_LE((brick.cells.max() - other.cells.max()).norm(), 1e-4 * sigma);
-    const KernelView view = a.acquire(i, 0), wanted = b.acquire(i, 0);
-    ASSERT_EQ(view.count, wanted.count);
-    for (std::int32_t k = 0; k < view.count; ++k) {
-      ASSERT_EQ(data::offset_of(view, k), data::offset_of(wanted, k));
-      const auto shape = data::shape_numbers(view, a.shape(), k);
-      const auto other_shape = data::shape_numbers(wanted, b.shape(), k);
-      for (std::size_t c = 0; c < 6; ++c)
-        ASSERT_NEAR(shape[c], other_shape[c], 1e-5 * std::abs(other_shape[0]));
-      ASSERT_NEAR(data::weight_of(view, k) / data::weight_of(wanted, k), 1, 1e-4);
-      for (std::size_t v = 0; v < a.attributes().size(); ++v)
-        ASSERT_NEAR(view.value[v][k], wanted.value[v][k], 1e-5 * std::abs(wanted.value[v][k]));
-    }
-  }
-  const auto expect_range = [](const ValueRange& range, const ValueRange& other) {
-    EXPECT_NEAR(range.lo, other.lo, 1e-4 * std::abs(other.hi));
-    EXPECT_NEAR(range.hi, other.hi, 1e-4 * std::abs(other.hi));
-  };
-  expect_range(field.value_range(), expected.value_range());
-  expect_range(field.color_range(), expected.color_range());
-  for (std::size_t v = 0; v < a.attributes().size(); ++v)
-    expect_range(a.attributes()[v].range, b.attributes()[v].range);
-  ASSERT_EQ(field.sums() == nullptr, expected.sums() == nullptr);
-  if (expected.sums() != nullptr) {
-    ASSERT_EQ(field.sums()->values.size(), expected.sums()->values.size());
-    for (std::size_t i = 0; i < expected.sums()->values.size(); ++i) {
-      const float sum = expected.sums()->values[i];
-      ASSERT_NEAR(field.sums()->values[i], sum, 1e-4 * std::abs(sum));
-    }
-  }
-  EXPECT_NEAR(field.default_sampling_distance() / expected.default_sampling_distance(), 1, 1e-5);
-  EXPECT_NEAR(field.refined_sampling_distance() / expected.refined_sampling_distance(), 1, 1e-5);
-}
-
-void expect_same_together(const Dataset& whole, const KernelModelOptions& options = {}) {
-  Made alone;
-  alone.field = make_kernel_field(whole, options, &alone.report);
-  for (const int count : {1, 2, 3, 4, 7}) {
-    SCOPED_TRACE(::testing::Message() << count << " processes");
-    for (const Made& made : made_together(whole, count, options)) {
-      expect_same(made.field, alone.field);
-      EXPECT_EQ(made.report.array, alone.report.array);
-      EXPECT_EQ(made.report.num_sites, alone.report.num_sites);
-      EXPECT_EQ(made.report.num_missing, alone.report.num_missing);
-      EXPECT_EQ(made.report.num_merged, alone.report.num_merged);
-      EXPECT_EQ(made.report.num_copies, alone.report.num_copies);
-      EXPECT_EQ(made.report.notes, alone.report.notes);
-    }
-  }
+std::vector<Made> made_by_rows(const Dataset& whole, int count, const KernelModelOptions& options) {
+  return made_together([&](int number, int of) { return share_of(whole, number, of); }, count,
+                       options);
 }
 
 TEST(TeamField, ParticlesWithSizesFromTheirNeighbors) {
-  expect_same_together(points_dataset(DatasetKind::kParticles, crowds(5000, 1)));
+  expect_same_by_rows(points_dataset(DatasetKind::kParticles, crowds(5000, 1)));
 }
 
 TEST(TeamField, DensityOfParticles) {
   Dataset dataset = points_dataset(DatasetKind::kParticles, crowds(5000, 2));
-  expect_same_together(dataset, {.is_density = true});
+  expect_same_by_rows(dataset, {.is_density = true});
   add_column(dataset, "mass", [](std::size_t i) { return 1e-3F + 1e-4F * (i % 7); });
-  expect_same_together(dataset);
+  expect_same_by_rows(dataset);
 }
 
 TEST(TeamField, ParticlesWithSizesAndVolumes) {
   Dataset dataset = points_dataset(DatasetKind::kParticles, crowds(1500, 3));
   add_column(dataset, "h", [](std::size_t i) { return 0.004F * (1 + i % 5); });
-  expect_same_together(dataset, {.array = "v"});
+  expect_same_by_rows(dataset, {.array = "v"});
   add_column(dataset, "mass", [](std::size_t i) { return 1.0F + i % 3; });
   add_column(dataset, "rho", [](std::size_t i) { return 1e5F * (1 + i % 11); });
-  expect_same_together(dataset, {.array = "v", .color_array = "mass"});
+  expect_same_by_rows(dataset, {.array = "v", .color_array = "mass"});
 }
 
 TEST(TeamField, PeriodicBox) {
   Dataset dataset = points_dataset(DatasetKind::kParticles, crowds(3000, 4));
   dataset.periodic_box = Bounds3(Vec3(0.8, 1.9, 2.5), Vec3(1.5, 2.6, 3.4));
-  expect_same_together(dataset);
+  expect_same_by_rows(dataset);
 }
 
 // Heaps have one kernel each; what is missing has none.
@@ -178,13 +104,13 @@ TEST(TeamField, HeapsAndWhatIsMissing) {
   add_column(dataset, "v", [](std::size_t i) {
     return i % 100 == 17 ? std::nanf("") : static_cast<float>(i % 13);
   });
-  expect_same_together(dataset);
+  expect_same_by_rows(dataset);
 }
 
 TEST(TeamField, StoredKernels) {
   const KernelField field = make_kernel_field(
       points_dataset(DatasetKind::kParticles, crowds(3000, 6)), {.anisotropic = true});
-  expect_same_together(make_kernel_dataset(field));
+  expect_same_by_rows(make_kernel_dataset(field));
 }
 
 // Fewer rows than processes, and a column that varies from share to share alone.
@@ -193,8 +119,8 @@ TEST(TeamField, FewRows) {
   dataset.arrays.insert(dataset.arrays.begin(), dataset.arrays[0]);
   dataset.arrays[0].name = "first";
   dataset.arrays[0] = array_of_numbers("first", 1, std::vector<float>{1, 2, 3, 4, 5});
-  expect_same_together(dataset);
-  expect_same_together(share_of(dataset, 0, 5));  // one row
+  expect_same_by_rows(dataset);
+  expect_same_by_rows(share_of(dataset, 0, 5));  // one row
 }
 
 // Each keeps its share; the others' bricks are fetched. Neighbours are asked for in several rounds.
@@ -281,7 +207,7 @@ TEST(TeamField, OneThatFailsEndsAll) {
   Dataset whole = points_dataset(DatasetKind::kParticles, crowds(100, 9));
   add_column(whole, "h", [](std::size_t i) { return i == 70 ? 0.0F : 1.0F; });
   try {
-    made_together(whole, 3, {});
+    made_by_rows(whole, 3, {});
     ADD_FAILURE() << "was accepted";
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(), "h[70] = 0: must be > 0");
@@ -290,7 +216,7 @@ TEST(TeamField, OneThatFailsEndsAll) {
 
 TEST(TeamField, RefusesWhatCannotBeShared) {
   const Dataset whole = points_dataset(DatasetKind::kParticles, crowds(100, 10));
-  EXPECT_THROW(made_together(whole, 2, {.anisotropic = true}), Error);
+  EXPECT_THROW(made_by_rows(whole, 2, {.anisotropic = true}), Error);
   Room room(1);
   EXPECT_THROW(run_as_team(room,
                            [&](const std::shared_ptr<KernelTeam>& team) {

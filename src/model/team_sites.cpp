@@ -13,6 +13,7 @@
 #include "model/periodic_images.h"
 #include "model/site_groups.h"
 #include "model/team_run.h"
+#include "model/territory.h"
 #include "ovoid/kernel_team.h"
 
 namespace ovoid::model {
@@ -22,24 +23,14 @@ Vec3 site(std::span<const double> centers, std::size_t i) {
   return {centers[3 * i], centers[3 * i + 1], centers[3 * i + 2]};
 }
 
+// Of those that have a finite place.
 Bounds3 bounds_of_all(const ModelRun& run, std::span<const double> centers) {
   Bounds3 bounds;
-  for (std::size_t i = 0; i < centers.size() / 3; ++i) bounds.extend(site(centers, i));
+  for (std::size_t i = 0; i < centers.size() / 3; ++i) {
+    if (site(centers, i).allFinite()) bounds.extend(site(centers, i));
+  }
   for (const Bounds3& theirs : joined(run, std::vector<Bounds3>{bounds})) bounds.extend(theirs);
   return bounds;
-}
-
-std::vector<std::uint64_t> curve_keys(const ModelRun& run, std::span<const double> centers) {
-  std::vector<std::uint64_t> keys(centers.size() / 3, 0);
-  const auto cube = data::MortonCube::around(bounds_of_all(run, centers));
-  if (!cube) return keys;
-  data::parallel_ranges({static_cast<std::int64_t>(keys.size()), kSiteGrain, run.threads, run.stop},
-                        [&](std::int64_t begin, std::int64_t end) {
-                          for (auto i = static_cast<std::size_t>(begin);
-                               i < static_cast<std::size_t>(end); ++i)
-                            keys[i] = cube->key_of(site(centers, i));
-                        });
-  return keys;
 }
 
 // Where on the curve the stretch of each process but the first begins: quantiles of some keys of
@@ -62,20 +53,41 @@ std::vector<std::uint64_t> stretches(const ModelRun& run, std::span<const std::u
 
 }  // namespace
 
+SpaceShares::SpaceShares(const ModelRun& run, std::span<const double> sites)
+    : cube_(data::MortonCube::around(bounds_of_all(run, sites))), owners_(sites.size() / 3) {
+  std::vector<std::uint64_t> keys(owners_.size());
+  data::parallel_ranges({static_cast<std::int64_t>(keys.size()), kSiteGrain, run.threads, run.stop},
+                        [&](std::int64_t begin, std::int64_t end) {
+                          for (auto i = static_cast<std::size_t>(begin);
+                               i < static_cast<std::size_t>(end); ++i)
+                            keys[i] = key_of(site(sites, i));
+                        });
+  begins_ = stretches(run, keys);
+  for (std::size_t i = 0; i < keys.size(); ++i) owners_[i] = owner_of_key(keys[i]);
+}
+
+std::uint64_t SpaceShares::key_of(const Vec3& place) const {
+  return cube_ && place.allFinite() ? cube_->key_of(place) : 0;
+}
+
+int SpaceShares::owner_of_key(std::uint64_t key) const {
+  return static_cast<int>(std::upper_bound(begins_.begin(), begins_.end(), key) - begins_.begin());
+}
+
 SiteRows share_by_place(const ModelRun& run, SiteRows rows) {
-  std::vector<std::uint64_t> keys = curve_keys(run, rows.centers);
-  const std::vector<std::uint64_t> begins = stretches(run, keys);
-  std::vector<std::vector<std::uint32_t>> lists(begins.size() + 1);
-  for (std::uint32_t i = 0; i < keys.size(); ++i) {
-    const auto owner = std::upper_bound(begins.begin(), begins.end(), keys[i]) - begins.begin();
-    lists[static_cast<std::size_t>(owner)].push_back(i);
+  std::vector<std::vector<std::uint32_t>> lists(static_cast<std::size_t>(run.team->count()));
+  {
+    const SpaceShares shares(run, rows.centers);
+    for (std::uint32_t i = 0; i < rows.count(); ++i)
+      lists[static_cast<std::size_t>(shares.owners()[i])].push_back(i);
   }
-  keys = {};
-  const std::size_t row_bytes =
-      sizeof(std::uint64_t) + 3 * sizeof(double) + rows.columns.size() * sizeof(float);
+  const std::size_t num_edges = greatest_of(run, rows.edges.empty() ? 0 : 1) > 0 ? 3 : 0;
+  const std::size_t row_bytes = sizeof(std::uint64_t) + (3 + num_edges) * sizeof(double) +
+                                rows.columns.size() * sizeof(float);
   KernelTeam::Letters letters = data::letters_of(lists, row_bytes);
   data::append_rows(letters, lists, 1, rows.orders);
   data::append_rows(letters, lists, 3, rows.centers);
+  data::append_rows(letters, lists, num_edges, rows.edges);
   for (std::vector<float>& column : rows.columns) data::append_rows(letters, lists, 1, column);
   KernelTeam::Letters received = run.team->exchange(std::move(letters));
   SiteRows own;
@@ -84,6 +96,7 @@ SiteRows share_by_place(const ModelRun& run, SiteRows rows) {
   for (const data::Letter& letter : received) num_rows += letter.size() / row_bytes;
   own.orders.reserve(num_rows);
   own.centers.reserve(3 * num_rows);
+  own.edges.reserve(num_edges * num_rows);
   for (std::vector<float>& column : own.columns) column.reserve(num_rows);
   // Shares are in the order of the processes, and so are orders.
   for (data::Letter& letter : received) {
@@ -91,6 +104,7 @@ SiteRows share_by_place(const ModelRun& run, SiteRows rows) {
     data::LetterReader reader(letter);
     reader.take(count, own.orders);
     reader.take(3 * count, own.centers);
+    reader.take(num_edges * count, own.edges);
     for (std::vector<float>& column : own.columns) reader.take(count, column);
     letter = {};
   }
@@ -134,35 +148,6 @@ void add_near(const SiteGroups& groups, const std::optional<Bounds3>& periodic_b
     for_each_image(*periodic_box, Bounds3(question.at), std::sqrt(bound), add_image);
   keep_wanted();
 }
-
-// Boxes that hold all sites of a process, a few: those of subtrees.
-std::vector<Bounds3> boxes_of(const SiteGroups& groups) {
-  constexpr std::size_t kMostBoxes = 64;
-  const std::size_t per_box = std::max<std::size_t>(1, groups.count() / kMostBoxes);
-  std::vector<Bounds3> boxes;
-  for (std::size_t g = 0; g < groups.count(); ++g) {
-    if (g % per_box == 0) boxes.emplace_back();
-    boxes.back().extend(groups.group(g).box);
-  }
-  return boxes;
-}
-
-// Where the sites of another process are.
-class Territory {
- public:
-  explicit Territory(std::vector<Bounds3> boxes) : boxes_(std::move(boxes)) {
-    for (const Bounds3& box : boxes_) all_.extend(box);
-  }
-  bool is_within(const Bounds3& box, double square) const {
-    return !boxes_.empty() && square_between(all_, box) <= square &&
-           std::any_of(boxes_.begin(), boxes_.end(),
-                       [&](const Bounds3& one) { return square_between(one, box) <= square; });
-  }
-
- private:
-  std::vector<Bounds3> boxes_;
-  Bounds3 all_;
-};
 
 bool is_within(const Territory& territory, const std::optional<Bounds3>& periodic_box,
                const Bounds3& box, double square) {
@@ -272,10 +257,8 @@ class NeighborSearch {
   static constexpr std::size_t kMostInRound = 8192;  // some 2 MB of answers
 
   std::vector<Asked> asked_of_all() const {
-    const std::vector<Bounds3> own = groups_ ? boxes_of(*groups_) : std::vector<Bounds3>{};
-    std::vector<Territory> territories;
-    for (std::vector<Bounds3>& boxes : data::gathered(*run_.team, std::span<const Bounds3>(own)))
-      territories.emplace_back(std::move(boxes));
+    const std::vector<Territory> territories =
+        territories_of_all(run_, groups_ ? territory_of(*groups_) : Territory());
     if (!groups_) return {};
     return find_asked(run_, *groups_, territories, periodic_box_, bounds_);
   }

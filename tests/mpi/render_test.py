@@ -2,6 +2,7 @@
 """One picture by several processes, against one process's: render_test.py MPIEXEC OVOID [NUMBER...]. Also what happens
 when something goes wrong for one of them. Ends with 77 (skipped) where processes cannot be started here."""
 import json
+import math
 import os
 import random
 import shutil
@@ -59,8 +60,66 @@ def expect_same(a, b, what):
     print(f"{what}: {255 * greatest:.4f}/255")
 
 
+def layers(folder, levels):
+    """Adaptive grids: `levels` of 12^3 cells, each within the one before."""
+    names = []
+    for level in range(levels):
+        edge = 0.5**level
+        cells = " ".join(f"{math.hypot(i - 6, j - 5, k - 4) * edge:.5g}"
+                         for k in range(12) for j in range(12) for i in range(12))
+        names.append(f"grid-{level}.vti")
+        with open(os.path.join(folder, names[-1]), "w") as file:
+            file.write(f'''<VTKFile type="ImageData" version="0.1" byte_order="LittleEndian">
+<ImageData WholeExtent="0 12 0 12 0 12" Origin="0 0 0" Spacing="{edge} {edge} {edge}"><Piece Extent="0 12 0 12 0 12">
+<CellData><DataArray type="Float32" Name="far" format="ascii">{cells}</DataArray></CellData>
+</Piece></ImageData></VTKFile>''')
+    path = os.path.join(folder, "layers.vth")
+    with open(path, "w") as file:
+        blocks = "".join(f'<Block level="{level}"><DataSet index="0" file="{name}"/></Block>'
+                         for level, name in enumerate(names))
+        file.write(f'<VTKFile type="vtkHierarchicalBoxDataSet" version="1.1">'
+                   f"<vtkHierarchicalBoxDataSet>{blocks}</vtkHierarchicalBoxDataSet></VTKFile>")
+    return path
+
+
+def piece(path, first, last):
+    """Hexahedra of a bent bar between two of its sections, as a VTU file."""
+    nodes = [(x, y + 0.02 * x * x, z) for x in range(first, last + 1) for y in range(5) for z in range(4)]
+    cells = []
+    for x in range(last - first):
+        for y in range(4):
+            for z in range(3):
+                at = [(x + i) * 20 + (y + j) * 4 + z + k for i, j, k in
+                      ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))]
+                cells.append(" ".join(map(str, at)))
+    numbers_of = lambda values: " ".join(map(str, values))
+    with open(path, "w") as file:
+        file.write(f'''<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian"><UnstructuredGrid>
+<Piece NumberOfPoints="{len(nodes)}" NumberOfCells="{len(cells)}">
+<PointData><DataArray type="Float32" Name="v" format="ascii">{numbers_of(math.sin(x) + y for x, y, z in nodes)}</DataArray></PointData>
+<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">{numbers_of(c for node in nodes for c in node)}</DataArray></Points>
+<Cells><DataArray type="Int64" Name="connectivity" format="ascii">{" ".join(cells)}</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">{numbers_of(range(8, 8 * len(cells) + 8, 8))}</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">{numbers_of([12] * len(cells))}</DataArray></Cells>
+</Piece></UnstructuredGrid></VTKFile>''')
+
+
+def pieces(folder, count):
+    """A mesh in pieces, one per file."""
+    sources = ""
+    for p in range(count):
+        piece(os.path.join(folder, f"bar-{p}.vtu"), 3 * p, 3 * p + 3)
+        sources += f'<Piece Source="bar-{p}.vtu"/>'
+    path = os.path.join(folder, "bar.pvtu")
+    with open(path, "w") as file:
+        file.write(f'<VTKFile type="PUnstructuredGrid" version="0.1"><PUnstructuredGrid GhostLevel="0"><PPointData>'
+                   f'<PDataArray type="Float32" Name="v"/></PPointData><PPoints><PDataArray type="Float64" '
+                   f'NumberOfComponents="3"/></PPoints>{sources}</PUnstructuredGrid></VTKFile>')
+    return path
+
+
 def make_data(folder):
-    """Each kind of data: a lattice, a mesh, particles, stored kernels."""
+    """Each kind of data: a lattice, a mesh, particles, stored kernels; with VTK a mesh in pieces and adaptive grids."""
     data = {}
     for name, kind, more in (("head", "head.nrrd", ["--size", "40"]), ("fin", "fin.vtu", ["--count", "1500"]),
                              ("galaxy", "galaxy.npz", ["--count", "3000"])):
@@ -70,6 +129,9 @@ def make_data(folder):
             data[name] = path
         else:
             print("not drawn:", name, made.stderr)
+    bar = pieces(folder, 5)
+    if run([OVOID, "info", bar]).returncode == 0:
+        data["bar"], data["layers"] = bar, layers(folder, 2)
     kernels = os.path.join(folder, "kernels.ply")
     if "fin" in data and run([OVOID, "convert", data["fin"], "-o", kernels]).returncode == 0:
         data["kernels"] = kernels
@@ -78,7 +140,8 @@ def make_data(folder):
 
 def pictures(folder, data):
     looks = {"head": [[], ["--mode", "mip"], ["--mode", "mean"], ["--iso", "120", "--mode", "isosurface"]],
-             "fin": [[], ["--surface=0.3"], ["--surface"]], "galaxy": [[], ["--points"]], "kernels": [[]]}
+             "fin": [["--surface=0"], [], ["--surface=0.3"]], "bar": [["--surface=0"], ["--surface=0.4"]],
+             "layers": [[]], "galaxy": [[], ["--points"]], "kernels": [[]]}
     whole, together = os.path.join(folder, "whole.npy"), os.path.join(folder, "together.npy")
     for name, path in data.items():
         for i, look in enumerate(looks[name]):

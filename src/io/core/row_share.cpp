@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "io/core/cell_share.h"
 #include "io/core/point_arrays.h"
 #include "ovoid/error.h"
 
@@ -45,9 +46,7 @@ Rows rows_of_share(const std::optional<RowShare>& share, std::int64_t total) noe
   return {first, first_row(total, std::int64_t{share->number} + 1, share->count) - first};
 }
 
-bool has_rows(DatasetKind kind) noexcept {
-  return kind == DatasetKind::kParticles || kind == DatasetKind::kKernels;
-}
+bool has_rows(DatasetKind kind) noexcept { return kind != DatasetKind::kLattice; }
 
 void set_share(Dataset& dataset, const std::optional<RowShare>& share, std::int64_t total) {
   if (share) dataset.share = DatasetShare{rows_of_share(share, total).first, total};
@@ -55,9 +54,11 @@ void set_share(Dataset& dataset, const std::optional<RowShare>& share, std::int6
 
 void cut_to_share(Dataset& dataset, const std::optional<RowShare>& share) {
   if (!share || dataset.share || !has_rows(dataset.kind)) return;
+  if (dataset.kind == DatasetKind::kMesh) return cut_cells_to_share(dataset, *share);
   const std::int64_t total = dataset.num_positions();
   const Rows rows = rows_of_share(share, total);
   dataset.positions = take_rows(dataset.positions, rows);
+  if (dataset.kind == DatasetKind::kBoxes) dataset.box_sizes = take_rows(dataset.box_sizes, rows);
   for (DataArray& array : dataset.arrays) array = take_rows(array, rows);
   set_share(dataset, share, total);
 }

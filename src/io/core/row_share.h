@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of a file's rows are read, of particles and stored kernels (ReadOptions::share).
+// Which of a file's rows are read, of everything but lattices (ReadOptions::share).
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ void check_share(const std::optional<RowShare>& share);
 // The rows that are read of `total`: the share's, or all. Products do not overflow.
 Rows rows_of_share(const std::optional<RowShare>& share, std::int64_t total) noexcept;
 
-// Is it of rows: particles or stored kernels?
+// Is it of rows: particles, stored kernels, boxes, or the cells of a mesh?
 bool has_rows(DatasetKind kind) noexcept;
 
 // Says in a dataset that holds rows_of_share(share, total) that it does; without a share it is

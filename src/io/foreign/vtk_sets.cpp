@@ -8,14 +8,17 @@
 #include <vtkImageData.h>
 
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "io/foreign/vtk_amr.h"
+#include "io/foreign/vtk_header.h"
 #include "io/foreign/vtk_image.h"
 #include "io/foreign/vtk_leaf.h"
 #include "io/foreign/vtk_mesh.h"
 #include "io/foreign/vtk_reading.h"
+#include "io/meshes/mesh_blocks.h"
 #include "io/meshes/mesh_steps.h"
 #include "io/vtk/vtk_set_files.h"
 #include "ovoid/error.h"
@@ -31,17 +34,20 @@ void check_vtk(const ByteSource& source, const std::string& expected) {
               fmt::format("{}: is no VTK file: expected {}", source.name(), expected));
 }
 
+// A file of a set that is no set itself.
+struct LeafFile {
+  std::string path;
+  std::string block;
+};
+
 class SetReader {
  public:
-  SetReader(const ReadOptions& options, std::vector<std::string>& notes)
-      : options_(options), notes_(notes) {
+  explicit SetReader(const ReadOptions& options) : options_(options) {
     options_.array.clear();  // not every piece may have it
     options_.progress = {};
   }
 
-  std::vector<MeshPart> parts;
-
-  // Adds the parts of a file, or of the files it names.
+  // Adds a file, or the files it names.
   void add(const std::string& path, const std::string& block, int depth) {
     if (depth > kMaxVtkSetDepth) {
       throw Error(ErrorCode::kUnsupported,
@@ -58,10 +64,32 @@ class SetReader {
       }
       return;
     }
-    const VtkLeaf leaf = read(*source);
-    parts.push_back(part_of(path, leaf.data, notes_));
-    parts.back().block = block;
+    leaves_.push_back({path, block});
   }
+
+  // The mesh of all that were added, or the share of it.
+  Dataset mesh(Dataset dataset, const ReadOptions& options) {
+    const auto part = [&](std::size_t i) {
+      const auto source = open_file(leaves_[i].path);
+      const VtkLeaf leaf = read(*source);
+      MeshPart one = part_of(leaves_[i].path, leaf.data, notes_);
+      one.block = leaves_[i].block;
+      return one;
+    };
+    if (options.share) {
+      if (const auto known = outlines()) {
+        Dataset share = mesh_share_of_parts(std::move(dataset), *known, part, options);
+        share.notes.insert(share.notes.begin(), notes_.begin(), notes_.end());
+        return share;
+      }
+    }
+    std::vector<MeshPart> parts;
+    for (std::size_t i = 0; i < leaves_.size(); ++i) parts.push_back(part(i));
+    dataset.notes = notes_;
+    return mesh_of_parts(std::move(dataset), std::move(parts), options);
+  }
+
+  const std::vector<std::string>& notes() const noexcept { return notes_; }
 
   AmrGrid grid(const VtkSetFile& file) {
     count_file(file.path);
@@ -76,6 +104,26 @@ class SetReader {
   }
 
  private:
+  // Of meshes that are shared out by parts: several files whose headers tell all that is decided of
+  // them together, and that are no points with a vertex each.
+  std::optional<std::vector<PartOutline>> outlines() const {
+    if (leaves_.size() < 2) return std::nullopt;
+    std::vector<PartOutline> all;
+    bool are_meshes = false;
+    for (const LeafFile& leaf : leaves_) {
+      const auto source = open_file(leaf.path);
+      if (!is_xml(*source)) return std::nullopt;
+      VtkOutline known = grid_outline_of_vtk_xml(*source);
+      const bool is_grid =
+          known.grid == VtkGrid::kUnstructured || known.grid == VtkGrid::kStructured;
+      if (!is_grid || !known.is_plain) return std::nullopt;
+      std::erase_if(known.arrays, [](const DataArray& array) { return array.name == kGhostArray; });
+      if (known.num_cells > 1 && known.num_cells != known.num_points) are_meshes = true;
+      all.push_back({leaf.block, known.num_points, known.num_cells, std::move(known.arrays)});
+    }
+    return are_meshes ? std::optional(std::move(all)) : std::nullopt;
+  }
+
   VtkLeaf read(const ByteSource& source) {
     check_vtk(source, "a piece or block");
     VtkRun run(source, options_);
@@ -92,7 +140,8 @@ class SetReader {
   }
 
   ReadOptions options_;
-  std::vector<std::string>& notes_;
+  std::vector<std::string> notes_;
+  std::vector<LeafFile> leaves_;
   std::int64_t num_files_ = 0;
 };
 
@@ -104,9 +153,10 @@ Dataset begin_dataset(const ByteSource& source, const std::string& xml_type) {
 }
 
 Dataset read_amr(const ByteSource& source, Dataset dataset, const ReadOptions& options) {
-  SetReader reader(options, dataset.notes);
+  SetReader reader(options);
   std::vector<AmrGrid> grids;
   for (const VtkSetFile& file : vtk_set_files(source)) grids.push_back(reader.grid(file));
+  dataset.notes = reader.notes();
   return boxes_of_grids(std::move(dataset), grids, options);
 }
 
@@ -121,13 +171,14 @@ Dataset read_series(const ByteSource& source, const ReadOptions& options) {
       source.name(), static_cast<std::int64_t>(times.size()), times, options,
       [&](std::int64_t step) {
         const auto& files = steps.at(times[static_cast<std::size_t>(step)]);
-        if (files.size() > 1) {
-          Dataset dataset = begin_dataset(source, "Collection");
-          SetReader reader(options, dataset.notes);
-          for (const VtkSetFile& file : files) reader.add(file.path, "", 1);
-          return mesh_of_parts(std::move(dataset), std::move(reader.parts), options);
-        }
         ReadOptions own = options;
+        // Which step is shown is found out by looking at all of it.
+        if (!options.step) own.share.reset();
+        if (files.size() > 1) {
+          SetReader reader(own);
+          for (const VtkSetFile& file : files) reader.add(file.path, "", 1);
+          return reader.mesh(begin_dataset(source, "Collection"), own);
+        }
         own.step.reset();
         const auto file = open_file(files.front().path);
         check_vtk(*file, "a step of " + source.name());
@@ -144,9 +195,9 @@ Dataset read_vtk_set(const ByteSource& source, const std::string& xml_type,
   if (xml_type == "Collection") return read_series(source, options);
   Dataset dataset = begin_dataset(source, xml_type);
   if (dataset.format == "VTK AMR") return read_amr(source, std::move(dataset), options);
-  SetReader reader(options, dataset.notes);
+  SetReader reader(options);
   reader.add(source.name(), "", 1);
-  return mesh_of_parts(std::move(dataset), std::move(reader.parts), options);
+  return reader.mesh(std::move(dataset), options);
 }
 
 }  // namespace

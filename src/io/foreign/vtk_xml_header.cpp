@@ -89,13 +89,21 @@ std::int64_t num_cells_within(const Extent& whole, const Extent& piece) {
   return result;
 }
 
-// Bytes of one value of VTK's XML types; 0 for what has no size of its own (String, Bit).
-std::int64_t xml_type_size(const std::string& type) {
-  static const std::map<std::string, std::int64_t> kSizes{
-      {"Int8", 1},   {"UInt8", 1}, {"Int16", 2},  {"UInt16", 2},  {"Int32", 4},
-      {"UInt32", 4}, {"Int64", 8}, {"UInt64", 8}, {"Float32", 4}, {"Float64", 8}};
-  const auto found = kSizes.find(type);
-  return found == kSizes.end() ? 0 : found->second;
+// None for what has no size of its own (String, Bit).
+std::optional<ScalarType> scalar_type_of(const std::string& type) {
+  static const std::map<std::string, ScalarType> kTypes{
+      {"Int8", ScalarType::kInt8},       {"UInt8", ScalarType::kUInt8},
+      {"Int16", ScalarType::kInt16},     {"UInt16", ScalarType::kUInt16},
+      {"Int32", ScalarType::kInt32},     {"UInt32", ScalarType::kUInt32},
+      {"Int64", ScalarType::kInt64},     {"UInt64", ScalarType::kUInt64},
+      {"Float32", ScalarType::kFloat32}, {"Float64", ScalarType::kFloat64}};
+  const auto found = kTypes.find(type);
+  return found == kTypes.end() ? std::nullopt : std::optional(found->second);
+}
+
+// Bytes of one value; 0 where there is no type.
+std::int64_t size_of_xml_type(const std::optional<ScalarType>& type) {
+  return type ? static_cast<std::int64_t>(size_of(*type)) : 0;
 }
 
 // In the order of VtkGrid.
@@ -108,7 +116,7 @@ class XmlChecker {
  public:
   explicit XmlChecker(const ByteSource& source) : source_(source), stored_(source) {}
 
-  VtkGrid run() {
+  VtkOutline run() {
     scan();
     if (!has_image_) fail(fmt::format("holds no {} element: is the file truncated?", grid_name()));
     if (has_extents()) check_pieces();
@@ -122,7 +130,8 @@ class XmlChecker {
       if (array.format != "ascii") total += std::min(array.num_bytes, kMaxNumBytes / 1024);
       stored_.check_ratio("all arrays together", std::min(total, kMaxNumBytes));
     }
-    return grid_;
+    outline_.grid = grid_;
+    return std::move(outline_);
   }
 
  private:
@@ -265,8 +274,7 @@ class XmlChecker {
     num_coordinates_ = 0;
     is_piece_open_ = true;
     pieces_.push_back(piece_);
-    if (pieces_.size() > kMaxPieces)
-      fail(fmt::format("has more than {} pieces", kMaxPieces), ErrorCode::kUnsupported);
+    add_piece();
   }
 
   // A piece of a mesh says how many points and cells it has.
@@ -293,8 +301,16 @@ class XmlChecker {
       num_cells_ += counts_[list];
     }
     is_piece_open_ = true;
+    add_piece();
+  }
+
+  // Those of the file as a whole follow from its only piece.
+  void add_piece() {
     if (++num_pieces_ > kMaxPieces)
       fail(fmt::format("has more than {} pieces", kMaxPieces), ErrorCode::kUnsupported);
+    outline_.is_plain = outline_.is_plain && num_pieces_ == 1;
+    outline_.num_points += num_points_;
+    outline_.num_cells += num_cells_;
   }
 
   // Points, or a list of cells.
@@ -379,7 +395,8 @@ class XmlChecker {
       fail(fmt::format("array '{}': holds text: expected numbers in {}", array.name, section),
            ErrorCode::kUnsupported);
     }
-    const std::int64_t value_size = xml_type_size(type);
+    const std::optional<ScalarType> scalar = scalar_type_of(type);
+    const std::int64_t value_size = size_of_xml_type(scalar);
     const bool is_bits = type == "Bit";
     if (section == "Coordinates" && (value_size == 0 || num_components != 1))
       fail(fmt::format("Coordinates: array '{}': expected numbers of one component", array.name));
@@ -397,6 +414,17 @@ class XmlChecker {
         checked_product(std::array{num_values.value_or(-1), std::max<std::int64_t>(value_size, 1)});
     if (!num_bytes || *num_bytes > kMaxNumBytes)
       fail(fmt::format("array '{}': {} are larger than any file", array.name, array.layout));
+    if (section == "PointData" || section == "CellData") {
+      outline_.is_plain = outline_.is_plain && !array.name.empty();
+      if (scalar)
+        outline_.arrays.push_back({array.name,
+                                   *scalar,
+                                   static_cast<int>(num_components),
+                                   num_tuples,
+                                   "",
+                                   section == "CellData",
+                                   {}});
+    }
     array.num_values = *num_values;
     array.num_bytes = is_bits ? (*num_bytes + 7) / 8 : *num_bytes;
     if (array.format == "appended") {
@@ -469,6 +497,7 @@ class XmlChecker {
   int num_lists_ = 0;                            // lists of cells in all pieces
   int num_in_list_ = 0;
   std::size_t num_pieces_ = 0;
+  VtkOutline outline_;
   Extent whole_;
   Extent piece_;  // the one that the arrays belong to
   std::vector<Extent> pieces_;
@@ -477,6 +506,8 @@ class XmlChecker {
 
 }  // namespace
 
-VtkGrid check_vtk_xml(const ByteSource& source) { return XmlChecker(source).run(); }
+VtkGrid check_vtk_xml(const ByteSource& source) { return XmlChecker(source).run().grid; }
+
+VtkOutline grid_outline_of_vtk_xml(const ByteSource& source) { return XmlChecker(source).run(); }
 
 }  // namespace ovoid::io

@@ -5,15 +5,15 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <span>
 #include <unordered_map>
 #include <utility>
 
-#include "data/bookkeeping.h"
 #include "data/cell_builder.h"
-#include "data/names_text.h"
 #include "io/core/samples.h"
+#include "io/meshes/mesh_blocks.h"
 #include "io/meshes/mesh_parts.h"
 #include "ovoid/error.h"
 
@@ -51,129 +51,12 @@ Place place_of(const DataArray& positions, std::int64_t node) {
   return place;
 }
 
-bool is_same_array(const DataArray& a, const DataArray& b) {
-  return a.name == b.name && a.is_cell_data == b.is_cell_data && a.type == b.type &&
-         a.num_components == b.num_components;
-}
-
-// Names of the blocks in the order they come.
-std::vector<std::string> block_names(const std::vector<MeshPart>& parts) {
-  std::vector<std::string> names;
-  for (const MeshPart& part : parts) {
-    if (std::find(names.begin(), names.end(), part.block) == names.end())
-      names.push_back(part.block);
-  }
-  return names;
-}
-
-struct BlockSize {
-  std::int64_t num_nodes = 0;
-  std::int64_t num_cells = 0;
-};
-
-BlockSize size_of_block(const std::vector<MeshPart>& parts, const std::string& name) {
-  BlockSize size;
-  for (const MeshPart& part : parts) {
-    if (part.block != name) continue;
-    size.num_nodes += part.num_nodes();
-    size.num_cells += part.cells.count();
-  }
-  return size;
-}
-
-void keep_block(std::vector<MeshPart>& parts, const std::string& name) {
-  std::erase_if(parts, [&](const MeshPart& part) { return part.block != name; });
-}
-
-// The arrays that every part has. One without cells has no cell arrays to have.
-std::vector<DataArray> shared_arrays(const std::vector<MeshPart>& parts) {
-  std::vector<DataArray> shared;
-  for (const MeshPart& candidate_part : parts) {
-    for (const DataArray& array : candidate_part.arrays) {
-      const auto has = [&](const MeshPart& part) {
-        return (array.is_cell_data && part.cells.count() == 0) ||
-               std::any_of(part.arrays.begin(), part.arrays.end(),
-                           [&](const DataArray& a) { return is_same_array(a, array); });
-      };
-      const bool is_known = std::any_of(shared.begin(), shared.end(), [&](const DataArray& a) {
-        return is_same_array(a, array);
-      });
-      if (!is_known && std::all_of(parts.begin(), parts.end(), has)) shared.push_back(array);
-    }
-  }
-  return shared;
-}
-
-bool has_data(const std::vector<DataArray>& arrays) {
-  return std::any_of(arrays.begin(), arrays.end(),
-                     [](const DataArray& array) { return !data::is_bookkeeping(array); });
-}
-
-// Fills dataset.blocks and leaves the parts that are read.
-void choose_blocks(Dataset& dataset, std::vector<MeshPart>& parts, const ReadOptions& options) {
-  const std::vector<std::string> names = block_names(parts);
-  if (names.size() < 2) return;
-  for (const std::string& name : names) {
-    const BlockSize size = size_of_block(parts, name);
-    dataset.blocks.push_back(
-        {name, fmt::format("{} points, {} cells", size.num_nodes, size.num_cells)});
-  }
-  if (!options.block.empty()) {
-    if (std::find(names.begin(), names.end(), options.block) == names.end()) {
-      throw Error(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: block '{}': not there: expected one of {}", dataset.source,
-                              options.block, data::names_text(names)));
-    }
-    keep_block(parts, options.block);
-    dataset.block = options.block;
-    return;
-  }
-  if (has_data(shared_arrays(parts))) {
-    dataset.notes.push_back(fmt::format("{}: all {} blocks are read; choose one with --block",
-                                        dataset.source, names.size()));
-    return;
-  }
-  const auto largest =
-      std::max_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
-        const BlockSize left = size_of_block(parts, a), right = size_of_block(parts, b);
-        return std::pair(left.num_cells, left.num_nodes) <
-               std::pair(right.num_cells, right.num_nodes);
-      });
-  keep_block(parts, *largest);
-  dataset.block = *largest;
-  dataset.notes.push_back(
-      fmt::format("{}: its {} blocks share no array: the largest, '{}', is read; choose with "
-                  "--block",
-                  dataset.source, names.size(), *largest));
-}
-
-// Takes out the arrays that are not in all parts, which is told.
-void leave_shared_arrays(Dataset& dataset, std::vector<MeshPart>& parts) {
-  if (parts.size() < 2) return;
-  const std::vector<DataArray> shared = shared_arrays(parts);
-  std::vector<std::string> dropped;
-  for (MeshPart& part : parts) {
-    std::erase_if(part.arrays, [&](const DataArray& array) {
-      const bool is_shared = std::any_of(shared.begin(), shared.end(), [&](const DataArray& a) {
-        return is_same_array(a, array);
-      });
-      if (!is_shared && std::find(dropped.begin(), dropped.end(), array.name) == dropped.end())
-        dropped.push_back(array.name);
-      return !is_shared;
-    });
-  }
-  for (const std::string& name : dropped) {
-    dataset.notes.push_back(
-        fmt::format("{}: array '{}' is left out: not every piece or block has "
-                    "it with the same type",
-                    dataset.source, name));
-  }
-}
-
 // Appends meshes to one, node for node and cell for cell.
 class Merger {
  public:
-  explicit Merger(const std::vector<MeshPart>& parts) : parts_(parts) {}
+  // `arrays`: that all parts have, in their order.
+  Merger(const std::vector<MeshPart>& parts, const std::vector<DataArray>& arrays)
+      : parts_(parts), arrays_(arrays) {}
 
   MeshPart run() {
     merge_nodes();
@@ -188,14 +71,25 @@ class Merger {
     result.positions = are_float32 ? merged_positions<float>(ScalarType::kFloat32)
                                    : merged_positions<double>(ScalarType::kFloat64);
     result.cells = merged_cells();
-    for (const DataArray& array : shared_arrays(parts_))
-      result.arrays.push_back(merged_array(array));
+    for (const DataArray& array : arrays_) result.arrays.push_back(merged_array(array));
     result.is_surface = std::all_of(parts_.begin(), parts_.end(),
                                     [](const MeshPart& part) { return part.is_surface; });
     return result;
   }
 
   std::int64_t num_merged() const noexcept { return num_merged_; }
+
+  // DatasetShare::nodes, with the parts' numbers among all parts.
+  std::vector<std::uint64_t> numbers_of_nodes(std::span<const std::size_t> part_numbers) const {
+    std::vector<std::uint64_t> numbers;
+    numbers.reserve(static_cast<std::size_t>(num_nodes_));
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      for (std::size_t i = 0; i < is_new_[p].size(); ++i) {
+        if (is_new_[p][i]) numbers.push_back((std::uint64_t{part_numbers[p]} << 32U) + i);
+      }
+    }
+    return numbers;
+  }
 
  private:
   struct Owner {
@@ -234,7 +128,9 @@ class Merger {
         for (const double x : place_of(parts_[p].positions, i)) values.push_back(static_cast<T>(x));
       }
     }
-    DataArray result = parts_.front().positions;
+    DataArray result;
+    if (!parts_.empty()) result = parts_.front().positions;
+    result.num_components = 3;
     result.type = type;
     result.num_tuples = num_nodes_;
     result.bytes = bytes_owning(std::move(values));
@@ -264,6 +160,7 @@ class Merger {
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       for (const DataArray& array : parts_[p].arrays) {
         if (!is_same_array(array, like)) continue;
+        if (result.unit.empty()) result.unit = array.unit;
         append_tuples(array, p, size, buffer, result.num_tuples);
         break;  // a name that stands twice
       }
@@ -288,6 +185,7 @@ class Merger {
   }
 
   const std::vector<MeshPart>& parts_;
+  const std::vector<DataArray>& arrays_;
   std::vector<std::vector<std::uint32_t>> numbers_;  // per part: its nodes' numbers in the whole
   std::vector<std::vector<bool>> is_new_;            // per part: the node is not another's
   std::int64_t num_nodes_ = 0;
@@ -319,30 +217,34 @@ void make_particles(Dataset& dataset, MeshPart& whole) {
   whole.cells = {};
 }
 
+// Whether something is left of the part once it is checked; adds what is left out.
+bool check_part(const Dataset& dataset, MeshPart& part, std::int64_t& num_dropped) {
+  check_mesh(part.source.empty() ? dataset.source : part.source, part);
+  const bool had_cells = part.cells.count() > 0;
+  const std::int64_t num_gone = drop_ghosts(part);
+  num_dropped += num_gone;
+  return num_gone == 0 || (had_cells ? part.cells.count() > 0 : part.num_nodes() > 0);
+}
+
+void note_on_dropped(Dataset& dataset, std::int64_t num_dropped) {
+  if (num_dropped == 0) return;
+  dataset.notes.push_back(fmt::format("{}: {} hidden or duplicate cells or points are left out",
+                                      dataset.source, num_dropped));
+}
+
 // Leaves the parts that have something to show.
 void check_parts(Dataset& dataset, std::vector<MeshPart>& parts) {
   std::int64_t num_dropped = 0;
-  bool has_points = false;
-  std::erase_if(parts, [&](MeshPart& part) {
-    if (part.num_nodes() == 0) return true;
-    has_points = true;
-    check_mesh(part.source.empty() ? dataset.source : part.source, part);
-    const bool had_cells = part.cells.count() > 0;
-    const std::int64_t num_gone = drop_ghosts(part);
-    num_dropped += num_gone;
-    return num_gone > 0 && (had_cells ? part.cells.count() == 0 : part.num_nodes() == 0);
-  });
-  if (!has_points)
+  std::erase_if(parts, [](const MeshPart& part) { return part.num_nodes() == 0; });
+  if (parts.empty())
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: has no points", dataset.source));
+  std::erase_if(parts, [&](MeshPart& part) { return !check_part(dataset, part, num_dropped); });
   if (parts.empty()) {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: all {} cells or points are hidden or duplicates of other pieces'",
                             dataset.source, num_dropped));
   }
-  if (num_dropped > 0) {
-    dataset.notes.push_back(fmt::format("{}: {} hidden or duplicate cells or points are left out",
-                                        dataset.source, num_dropped));
-  }
+  note_on_dropped(dataset, num_dropped);
 }
 
 // What stands for the values of a mesh that has none.
@@ -369,14 +271,22 @@ Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOp
   check_parts(dataset, parts);
   if (dataset.times.empty() && dataset.num_steps == 1 && parts.front().time)
     dataset.times.push_back(*parts.front().time);
-  choose_blocks(dataset, parts, options);
-  leave_shared_arrays(dataset, parts);
+  std::vector<PartOutline> outlines;
+  for (const MeshPart& part : parts) outlines.push_back(outline_of(part));
+  std::vector<MeshPart> chosen;
+  std::vector<PartOutline> chosen_outlines;
+  for (const std::size_t p : choose_blocks(dataset, outlines, options)) {
+    chosen.push_back(std::move(parts[p]));
+    chosen_outlines.push_back(std::move(outlines[p]));
+  }
+  parts = std::move(chosen);
+  const std::vector<DataArray> arrays = shared_arrays(dataset, chosen_outlines);
   MeshPart whole;
   if (parts.size() == 1) {
     whole = std::move(parts.front());
   } else {
     for (MeshPart& part : parts) make_explicit(part);
-    Merger merger(parts);
+    Merger merger(parts, arrays);
     whole = merger.run();
     if (merger.num_merged() > 0) {
       dataset.notes.push_back(fmt::format("{}: {} points at places of other pieces are merged",
@@ -395,6 +305,84 @@ Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOp
   dataset.arrays = std::move(whole.arrays);
   if (options.faces && dataset.arrays.empty()) dataset.arrays = {zeros_at_nodes(dataset)};
   if (dataset.kind == DatasetKind::kMesh && dataset.arrays.empty()) {
+    throw Error(ErrorCode::kFileFormat,
+                fmt::format("{}: has no array of numbers at its points or cells", dataset.source));
+  }
+  leave_wanted_array(dataset, options.array);
+  shorten_notes(dataset.notes);
+  return dataset;
+}
+
+namespace {
+
+// Whose part each is: runs of them with about as many cells.
+int owner_of(std::int64_t cells_before, std::int64_t num_cells, int count) {
+  const double place = static_cast<double>(cells_before) / static_cast<double>(num_cells);
+  return std::min(static_cast<int>(place * count), count - 1);
+}
+
+// A part as its outline says it is.
+void require_outline(const Dataset& dataset, const MeshPart& part, const PartOutline& outline,
+                     const std::vector<DataArray>& arrays) {
+  const std::string& where = part.source.empty() ? dataset.source : part.source;
+  if (part.num_nodes() != outline.num_nodes || part.cells.count() != outline.num_cells)
+    throw Error(
+        ErrorCode::kFileFormat,
+        fmt::format("{}: has {} points and {} cells: its header says {} and {}", where,
+                    part.num_nodes(), part.cells.count(), outline.num_nodes, outline.num_cells));
+  for (const DataArray& array : arrays) {
+    if (array.is_cell_data && outline.num_cells == 0) continue;
+    if (std::none_of(part.arrays.begin(), part.arrays.end(),
+                     [&](const DataArray& a) { return is_same_array(a, array); }))
+      throw Error(ErrorCode::kFileFormat,
+                  fmt::format("{}: array '{}': is not what its header says", where, array.name));
+  }
+}
+
+}  // namespace
+
+Dataset mesh_share_of_parts(Dataset dataset, std::span<const PartOutline> outlines,
+                            const std::function<MeshPart(std::size_t)>& read,
+                            const ReadOptions& options) {
+  const RowShare& share = options.share.value();
+  std::vector<PartOutline> chosen;
+  std::vector<std::size_t> numbers;
+  for (const std::size_t p : choose_blocks(dataset, outlines, options)) {
+    if (outlines[p].num_nodes == 0) continue;
+    numbers.push_back(p);
+    chosen.push_back(outlines[p]);
+  }
+  const std::vector<DataArray> arrays = shared_arrays(dataset, chosen);
+  std::int64_t num_cells = 0;
+  for (const PartOutline& part : chosen) num_cells += part.num_cells;
+  if (num_cells == 0)
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: has no cells", dataset.source));
+  std::vector<MeshPart> parts;
+  std::vector<std::size_t> part_numbers;
+  std::int64_t before = 0, first = 0, num_dropped = 0;
+  for (std::size_t p = 0; p < chosen.size(); ++p) {
+    const int owner = owner_of(before, num_cells, share.count);
+    if (owner < share.number) first = before + chosen[p].num_cells;
+    before += chosen[p].num_cells;
+    if (owner != share.number) continue;
+    MeshPart part = read(numbers[p]);
+    require_outline(dataset, part, chosen[p], arrays);
+    if (p == 0 && part.time) dataset.times.push_back(*part.time);
+    if (!check_part(dataset, part, num_dropped)) continue;
+    make_explicit(part);
+    parts.push_back(std::move(part));
+    part_numbers.push_back(p);
+  }
+  note_on_dropped(dataset, num_dropped);
+  Merger merger(parts, arrays);
+  MeshPart own = merger.run();
+  dataset.kind = DatasetKind::kMesh;
+  dataset.share = DatasetShare{first, num_cells, merger.numbers_of_nodes(part_numbers)};
+  dataset.positions = std::move(own.positions);
+  dataset.positions.name = "positions";
+  dataset.cells = std::move(own.cells);
+  dataset.arrays = std::move(own.arrays);
+  if (dataset.arrays.empty()) {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: has no array of numbers at its points or cells", dataset.source));
   }

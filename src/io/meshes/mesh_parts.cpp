@@ -18,7 +18,6 @@
 namespace ovoid::io {
 namespace {
 
-constexpr const char* kGhostArray = "vtkGhostType";
 // VTK's bits, the same for nodes and cells where both have them.
 constexpr unsigned kDuplicate = 1;
 constexpr unsigned kHiddenNode = 2;

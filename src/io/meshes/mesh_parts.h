@@ -46,10 +46,13 @@ void check_mesh(const std::string& where, const MeshPart& part);
 // The nodes a cell of this type needs; 0 if it may have any number.
 int num_corners(CellType type) noexcept;
 
+// What drop_ghosts() looks for.
+inline constexpr const char* kGhostArray = "vtkGhostType";
+
 // Structured cells become hexahedra, quads, lines or a vertex, by the axes longer than one node.
 void make_explicit(MeshPart& part);
 
-// Honours "vtkGhostType" arrays, where `part` has them: cells that are duplicates of another
+// Honours kGhostArray arrays, where `part` has them: cells that are duplicates of another
 // piece's, hidden or refined are taken out with their tuples, and so are cells with a hidden node
 // and cells without nodes; of a part without cells, the points that are hidden or duplicates. The
 // arrays themselves are dropped. Returns how many cells or points went.

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <limits>
@@ -297,8 +298,9 @@ Json json_of(const std::optional<RowShare>& share) {
   return share ? Json::array({share->number, share->count}) : Json();
 }
 
-Json json_of(const std::optional<DatasetShare>& share) {
-  return share ? Json::array({share->first, share->total}) : Json();
+Json json_of(const std::optional<DatasetShare>& share, MemoryWriter& memory) {
+  if (!share) return {};
+  return Json::array({share->first, share->total, memory.add(std::as_bytes(share->nodes.view()))});
 }
 
 std::optional<RowShare> row_share_of(const Json& json) {
@@ -308,9 +310,10 @@ std::optional<RowShare> row_share_of(const Json& json) {
   return share;
 }
 
-std::optional<DatasetShare> dataset_share_of(const Json& json) {
+std::optional<DatasetShare> dataset_share_of(const Json& json, const Shared& memory) {
   if (json.is_null()) return std::nullopt;
-  return DatasetShare{count_of(json.at(0)), count_of(json.at(1))};
+  return DatasetShare{count_of(json.at(0)), count_of(json.at(1)),
+                      values_at<std::uint64_t>(json.at(2), memory)};
 }
 
 // Bytes that the arrays take in the memory.
@@ -322,6 +325,7 @@ std::size_t num_shared_bytes(const Dataset& dataset) {
                      padded(dataset.cells.offsets.size() * sizeof(std::int64_t)) +
                      padded(dataset.cells.connectivity.size() * sizeof(std::uint32_t));
   for (const DataArray& array : dataset.arrays) size += padded(array.bytes.view.size());
+  if (dataset.share) size += padded(dataset.share->nodes.size() * sizeof(std::uint64_t));
   return size;
 }
 
@@ -335,7 +339,7 @@ Dataset dataset_of(const Json& json, const Shared& memory, const ReaderHost& hos
   dataset.cells = cells_of(json.at("cells"), memory);
   dataset.box_sizes = array_of(json.at("box_sizes"), memory, host);
   dataset.periodic_box = box_of(json.at("periodic_box"));
-  dataset.share = dataset_share_of(json.at("share"));
+  dataset.share = dataset_share_of(json.at("share"), memory);
   dataset.space = enum_of(json.at("space"), Space::kRas);
   for (const Json& array : json.at("arrays"))
     dataset.arrays.push_back(array_of(array, memory, host));
@@ -356,12 +360,22 @@ void check_arrays(const Dataset& dataset, std::int64_t num_tuples) {
       nonsense(fmt::format("{} tuples for {} places", array.num_tuples, num_tuples));
 }
 
+// Cells are shared out by layers or pieces, which the reader knows alone.
+void check_cells_of_share(const Dataset& dataset) {
+  const auto& [first, total, nodes, array] = *dataset.share;
+  if (total < 1 || first > total || dataset.cells.count() > total - first)
+    nonsense(fmt::format("{} cells from {} of {}", dataset.cells.count(), first, total));
+  if (std::ssize(nodes) != dataset.num_positions() || !std::is_sorted(nodes.begin(), nodes.end()))
+    nonsense("nodes of a share without their numbers in the whole");
+}
+
 // The rows are those that were asked for.
 void check_rows(const std::optional<RowShare>& share, const Dataset& dataset) {
   const bool is_share = share && has_rows(dataset.kind);
   if (is_share != dataset.share.has_value())
     nonsense(is_share ? "all rows instead of a share" : "a share instead of all");
   if (!is_share) return;
+  if (dataset.kind == DatasetKind::kMesh) return check_cells_of_share(dataset);
   const Rows rows = rows_of_share(share, dataset.share->total);
   if (dataset.share->total < 1 || dataset.share->first != rows.first ||
       dataset.num_positions() != rows.count)
@@ -372,9 +386,12 @@ void check_rows(const std::optional<RowShare>& share, const Dataset& dataset) {
 // A share without rows, which would be no mesh.
 void check_no_rows(const Dataset& dataset) {
   if (dataset.positions.num_components != 3 || !is_floating(dataset.positions.type) ||
-      dataset.cells.count() != 0)
+      dataset.cells.count() != 0 || dataset.box_sizes.num_tuples != 0)
     nonsense("no rows of something else than points");
   check_arrays(dataset, 0);
+  for (const DataArray& array : dataset.arrays) {
+    if (array.num_tuples != 0) nonsense(fmt::format("{} tuples for no cells", array.num_tuples));
+  }
 }
 
 // That the parts fit each other.
@@ -486,7 +503,7 @@ DatasetMessage to_message(Dataset dataset) {
                   {"cells", json_of(std::move(dataset.cells), memory)},
                   {"box_sizes", json_of(std::move(dataset.box_sizes), memory)},
                   {"periodic_box", json_of(dataset.periodic_box)},
-                  {"share", json_of(dataset.share)},
+                  {"share", json_of(dataset.share, memory)},
                   {"space", static_cast<int>(dataset.space)},
                   {"arrays", arrays},
                   {"blocks", blocks},

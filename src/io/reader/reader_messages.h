@@ -15,7 +15,7 @@
 namespace ovoid::io {
 
 // A reader that speaks another version refuses every request.
-inline constexpr int kReaderProtocol = 6;
+inline constexpr int kReaderProtocol = 7;
 
 // Reads one dataset, or one step of it.
 struct ReaderRequest {

@@ -175,6 +175,27 @@ TEST(ReaderMessages, AnotherShareIsRefused) {
   EXPECT_EQ(refusal({}, sent), "");
 }
 
+TEST(ReaderMessages, SharesOfMeshesArriveWithTheirNodes) {
+  const auto refusal = [](const Dataset& sent) {
+    return error_of([&] { dataset_from_message(host_of_share(RowShare{1, 3}), to_message(sent)); });
+  };
+  Dataset sent = share_of_particles();
+  sent.kind = DatasetKind::kMesh;
+  sent.cells.types = {CellType::kTriangle};
+  sent.cells.offsets = {0, 3};
+  sent.cells.connectivity = {0, 1, 2};
+  sent.share = DatasetShare{4, 6, {1, 5, 7}};
+  const Dataset arrived = dataset_from_message(host_of_share(RowShare{1, 3}), to_message(sent));
+  EXPECT_EQ(arrived.share->nodes, sent.share->nodes);
+  const std::string wrong = "file-format: a.h5: its reader sent ";
+  sent.share = DatasetShare{4, 6, {1, 5}};
+  EXPECT_EQ(refusal(sent), wrong + "nodes of a share without their numbers in the whole");
+  sent.share = DatasetShare{4, 6, {1, 7, 5}};
+  EXPECT_EQ(refusal(sent), wrong + "nodes of a share without their numbers in the whole");
+  sent.share = DatasetShare{6, 6, {1, 5, 7}};
+  EXPECT_EQ(refusal(sent), wrong + "1 cells from 6 of 6");
+}
+
 TEST(ReaderMessages, OtherProtocolIsRefused) {
   Json json = Json::from_msgpack(to_message(ReaderRequest{}));
   json["protocol"] = kReaderProtocol + 1;

@@ -153,6 +153,51 @@ TEST_F(MeshFiles, PiecesAndBlocks) {
   expect_the_two_cells(read_dataset({blocks}, options));
 }
 
+// Numbers of nodes that are wrong are found by the share that has the piece.
+TEST_F(MeshFiles, SharesArePieces) {
+  folder.write("a.vtu", kVtu);
+  folder.write("b.vtu", with(kVtu, "5 6 7 1 8 2 5<", "5 6 7 1 8 2 9<"));
+  const std::string path = folder.write(
+      "a.pvtu",
+      pieces_of(R"(<Piece Source="a.vtu"/><Piece Source="b.vtu"/><Piece Source="a.vtu"/>)"));
+  const auto share = [&](int number, int count) {
+    ReadOptions options;
+    options.share = RowShare{number, count};
+    return read_dataset({path}, options);
+  };
+  expect_the_two_cells(share(0, 3));
+  EXPECT_EQ(share(0, 3).share->total, 6);
+  EXPECT_EQ(share(0, 3).share->nodes.back(), 8U);
+  expect_the_two_cells(share(2, 3));
+  EXPECT_EQ(share(2, 3).share->first, 4);
+  EXPECT_EQ(share(2, 3).share->nodes.front(), std::uint64_t{2} << 32U);
+  EXPECT_NE(error_of([&] { share(1, 3); }).find("b.vtu: cells: connectivity[11] = 9"),
+            std::string::npos);
+  EXPECT_EQ(share(3, 7).num_positions(), 0);
+  // A single file is read whole, then cut.
+  ReadOptions options;
+  options.share = RowShare{1, 2};
+  const Dataset second = read_dataset({folder.file("a.vtu")}, options);
+  EXPECT_EQ(second.cells.types, std::vector{CellType::kTetrahedron});
+  EXPECT_EQ(second.share->nodes, (std::vector<std::uint64_t>{1, 2, 5, 8}));
+}
+
+// As the whole would be, of which one step varies.
+TEST_F(MeshFiles, SharesOfASeriesAreOfOneStep) {
+  folder.write("a.vtu", with(kVtu, ">0 1 2 3 4 5 6 7 8<", ">0 0 0 0 0 0 0 0 0<"));
+  folder.write("b.vtu", kVtu);
+  const std::string series = folder.write("a.pvd", R"(<VTKFile type="Collection"><Collection>
+<DataSet timestep="2.5" file="b.vtu"/><DataSet timestep="2.5" file="b.vtu"/>
+<DataSet timestep="-1" file="a.vtu"/><DataSet timestep="-1" file="a.vtu"/></Collection></VTKFile>)");
+  ReadOptions options;
+  options.share = RowShare{1, 2};
+  EXPECT_EQ(read_dataset({series}, options).step, 1);
+  options.step = 1;
+  const Dataset named = read_dataset({series}, options);
+  EXPECT_EQ(named.times, (std::vector<double>{-1, 2.5}));
+  EXPECT_EQ(named.share->nodes.front(), std::uint64_t{1} << 32U);  // the second piece
+}
+
 TEST_F(MeshFiles, TimeSeriesBeginWhereTheyVary) {
   folder.write("a.vtu", with(kVtu, ">0 1 2 3 4 5 6 7 8<", ">0 0 0 0 0 0 0 0 0<"));
   folder.write("b.vtu", kVtu);

@@ -20,6 +20,9 @@ struct LocalMesh {
   bool is_cell_data = false;
   // Empty: all are.
   std::vector<bool> is_own_node, is_own_cell;
+  // In a team: which nodes of the whole they are (DatasetShare::nodes); of several at one place all
+  // say the first.
+  std::vector<std::uint64_t> numbers;
 
   bool owns_node(std::uint32_t node) const { return is_own_node.empty() || is_own_node[node]; }
   bool owns_cell(std::size_t cell) const { return is_own_cell.empty() || is_own_cell[cell]; }

@@ -141,7 +141,7 @@ double volume_of(const MeshNodes& nodes, const MeshCells& cells, std::size_t cel
 
 }  // namespace
 
-std::size_t hash_of_place(const Vec3& place) noexcept {
+std::size_t PlaceHash::operator()(const Vec3& place) const noexcept {
   std::uint64_t hash = 0;
   for (const double coordinate : place) {
     hash = (hash ^ std::bit_cast<std::uint64_t>(coordinate + 0.0)) * 0x9E3779B97F4A7C15U;
@@ -161,7 +161,7 @@ MeshNodes merged_nodes(std::vector<double> places) {
     representative[node] = node;
     if (!nodes.is_placed(node)) continue;
     const Vec3 place = nodes.at(node);
-    std::size_t slot = hash_of_place(place) & mask;
+    std::size_t slot = PlaceHash()(place) & mask;
     while (table[slot] != kNone && nodes.at(table[slot]) != place) slot = (slot + 1) & mask;
     if (table[slot] == kNone) {
       table[slot] = node;

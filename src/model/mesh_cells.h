@@ -32,8 +32,10 @@ struct MeshNodes {
 MeshNodes merged_nodes(std::vector<double> places);
 MeshNodes load_nodes(const ModelRun& run);
 
-// Equal places give equal hashes; -0 and 0 are one place.
-std::size_t hash_of_place(const Vec3& place) noexcept;
+// Of maps by place: equal places give equal hashes; -0 and 0 are one place.
+struct PlaceHash {
+  std::size_t operator()(const Vec3& place) const noexcept;
+};
 
 // Cells as lists of nodes; the cells of a structured grid are written out.
 struct MeshCells {

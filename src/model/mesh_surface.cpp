@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <span>
 #include <tuple>
 #include <unordered_map>
@@ -28,10 +29,6 @@ namespace {
 using model::LocalMesh;
 using model::MeshCells;
 using model::MeshNodes;
-
-struct PlaceHash {
-  std::size_t operator()(const Vec3& place) const noexcept { return model::hash_of_place(place); }
-};
 
 // A face of a cell, by its place in lists of nodes. Two cells share a face if they have the same
 // three least nodes of it: more of a face's nodes cannot differ in a mesh that is one.
@@ -136,38 +133,18 @@ void keep_outer(std::vector<Face>& faces) {
   faces.resize(kept);
 }
 
-// Outer faces as they are drawn: from outside counterclockwise, a value at each corner. Places are
-// numbered in the order in which they are met.
+// Outer faces as they are drawn: from outside counterclockwise, a value at each corner.
 struct OuterFaces {
   std::vector<Vec3> places;
   std::vector<std::uint32_t> sizes;     // corners of each face
   std::vector<std::uint8_t> are_solid;  // faces of solid cells
   std::vector<std::uint32_t> corners;   // of all faces
   std::vector<float> values;            // at the corners
+  // In a team: the least three of its nodes' numbers in the whole, by which one process sorts
+  // faces.
+  std::vector<std::array<std::uint64_t, 3>> keys;
 
   std::size_t count() const noexcept { return sizes.size(); }
-};
-
-// Which of the places at the corners of outer faces a node is.
-class Places {
- public:
-  Places(const MeshNodes& nodes, OuterFaces& outer)
-      : nodes_(nodes), outer_(outer), number_of_(nodes.count(), kNone) {}
-
-  std::uint32_t number_of(std::uint32_t node) {
-    std::uint32_t& number = number_of_[node];
-    if (number == kNone) {
-      number = static_cast<std::uint32_t>(outer_.places.size());
-      outer_.places.push_back(nodes_.at(node));
-    }
-    return number;
-  }
-
- private:
-  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  const MeshNodes& nodes_;
-  OuterFaces& outer_;
-  std::vector<std::uint32_t> number_of_;
 };
 
 // A face is its corners' least place's owner's, who has all cells that may share it.
@@ -181,30 +158,81 @@ bool owns_face(const LocalMesh& mesh, const std::vector<std::uint32_t>& corners)
                         [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); }));
 }
 
+std::array<std::uint64_t, 3> key_in_whole(const LocalMesh& mesh,
+                                          const std::vector<std::uint32_t>& corners) {
+  std::vector<std::uint64_t> numbers;
+  for (const std::uint32_t corner : corners) numbers.push_back(mesh.numbers[corner]);
+  std::array<std::uint64_t, 3> key{};
+  std::partial_sort_copy(numbers.begin(), numbers.end(), key.begin(), key.end());
+  return key;
+}
+
+// Leaves the places of corners, numbered in the order in which they are met. `place_of(number)`:
+// those that the corners say, `num_places` of them.
+template <class PlaceOf>
+void number_as_met(std::size_t num_places, const PlaceOf& place_of, OuterFaces& outer) {
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> number_of(num_places, kNone);
+  std::vector<Vec3> places;
+  for (std::uint32_t& corner : outer.corners) {
+    std::uint32_t& number = number_of[corner];
+    if (number == kNone) {
+      number = static_cast<std::uint32_t>(places.size());
+      places.push_back(place_of(corner));
+    }
+    corner = number;
+  }
+  outer.places = std::move(places);
+}
+
 OuterFaces outer_faces_of(const model::ModelRun& run, const LocalMesh& mesh,
                           const std::vector<Face>& faces) {
   // Colour's, if that is another.
   const std::vector<float>& column = mesh.values.columns.back();
   OuterFaces outer;
-  Places places(mesh.nodes, outer);
   std::vector<std::uint32_t> corners;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     if (f % 65536 == 0) require_running(run.stop);
     corners_of(mesh.nodes, mesh.cells, faces[f], corners);
     if (!owns_face(mesh, corners)) continue;
+    if (run.team != nullptr) outer.keys.push_back(key_in_whole(mesh, corners));
     const bool is_solid = faces[f].number != kFlat;
     if (is_solid) turn_outwards(mesh.nodes, mesh.cells, faces[f], corners);
     for (const std::uint32_t corner : corners) {
-      outer.corners.push_back(places.number_of(corner));
+      outer.corners.push_back(corner);
       outer.values.push_back(column[mesh.is_cell_data ? faces[f].cell : corner]);
     }
     outer.sizes.push_back(static_cast<std::uint32_t>(corners.size()));
     outer.are_solid.push_back(is_solid ? 1 : 0);
   }
+  number_as_met(
+      mesh.nodes.count(), [&](std::uint32_t node) { return mesh.nodes.at(node); }, outer);
   return outer;
 }
 
-// Those of all processes, in their order; places that several have are one.
+// In one process' order.
+OuterFaces sorted_by_keys(const OuterFaces& faces) {
+  std::vector<std::size_t> firsts = {0};
+  for (const std::uint32_t size : faces.sizes) firsts.push_back(firsts.back() + size);
+  std::vector<std::size_t> order(faces.count());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return faces.keys[a] < faces.keys[b]; });
+  OuterFaces sorted;
+  for (const std::size_t f : order) {
+    sorted.sizes.push_back(faces.sizes[f]);
+    sorted.are_solid.push_back(faces.are_solid[f]);
+    for (std::size_t i = firsts[f]; i < firsts[f + 1]; ++i) {
+      sorted.corners.push_back(faces.corners[i]);
+      sorted.values.push_back(faces.values[i]);
+    }
+  }
+  number_as_met(
+      faces.places.size(), [&](std::uint32_t place) { return faces.places[place]; }, sorted);
+  return sorted;
+}
+
+// Those of all processes; places that several have are one.
 OuterFaces outer_faces_of_all(const model::ModelRun& run, OuterFaces own) {
   if (run.team == nullptr) return own;
   data::Letter letter;
@@ -214,11 +242,12 @@ OuterFaces outer_faces_of_all(const model::ModelRun& run, OuterFaces own) {
   data::append(letter, std::span<const Vec3>(own.places));
   data::append(letter, std::span<const std::uint32_t>(own.sizes));
   data::append(letter, std::span<const std::uint8_t>(own.are_solid));
+  data::append(letter, std::span<const std::array<std::uint64_t, 3>>(own.keys));
   data::append(letter, std::span<const std::uint32_t>(own.corners));
   data::append(letter, std::span<const float>(own.values));
   own = {};
   OuterFaces all;
-  std::unordered_map<Vec3, std::uint32_t, PlaceHash> numbers;
+  std::unordered_map<Vec3, std::uint32_t, model::PlaceHash> numbers;
   for (data::Letter& from : data::gathered_letters(*run.team, letter)) {
     data::LetterReader reader(from);
     std::vector<std::uint64_t> num;
@@ -227,6 +256,7 @@ OuterFaces outer_faces_of_all(const model::ModelRun& run, OuterFaces own) {
     reader.take(num[0], places);
     reader.take(num[1], all.sizes);
     reader.take(num[1], all.are_solid);
+    reader.take(num[1], all.keys);
     const std::size_t first = all.corners.size();
     reader.take(num[2], all.corners);
     reader.take(num[2], all.values);
@@ -242,7 +272,7 @@ OuterFaces outer_faces_of_all(const model::ModelRun& run, OuterFaces own) {
       all.corners[i] = number_of[all.corners[i]];
     from = {};
   }
-  return all;
+  return sorted_by_keys(all);
 }
 
 // The faces around each place, as a list of lists.

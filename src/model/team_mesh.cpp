@@ -169,12 +169,6 @@ Sent received(KernelTeam::Letters letters, std::size_t num_columns, bool is_cell
   return all;
 }
 
-struct PlaceHash {
-  std::size_t operator()(const std::array<double, 3>& place) const noexcept {
-    return hash_of_place({place[0], place[1], place[2]});
-  }
-};
-
 // Which of the nodes that have arrived stay, by the order of their numbers, and which of these each
 // of them is.
 struct NodeChoice {
@@ -193,7 +187,7 @@ NodeChoice choose_nodes(const Sent& sent) {
   });
   const bool is_one_piece = order.empty() || piece_of(sent.numbers[order.front()]) ==
                                                  piece_of(sent.numbers[order.back()]);
-  std::unordered_map<std::array<double, 3>, std::uint32_t, PlaceHash> first_at;  // of the kept
+  std::unordered_map<Vec3, std::uint32_t, PlaceHash> first_at;  // of the kept
   NodeChoice choice;
   choice.number_of.resize(order.size());
   const auto is_same = [&](std::uint32_t a, std::uint32_t b) {
@@ -201,9 +195,8 @@ NodeChoice choose_nodes(const Sent& sent) {
   };
   // The node that stands for another piece's, if there is one.
   const auto first_of_place = [&](std::uint32_t node, std::uint32_t next) {
-    const double* const at = sent.places.data() + std::size_t{3} * node;
     const auto [found, is_first] =
-        first_at.try_emplace({at[0] + 0.0, at[1] + 0.0, at[2] + 0.0}, next);
+        first_at.try_emplace(Vec3(sent.places.data() + std::size_t{3} * node), next);
     if (is_first) return next;
     const std::uint64_t other = sent.numbers[choice.kept[found->second]];
     return piece_of(other) == piece_of(sent.numbers[node]) ? next : found->second;
@@ -236,47 +229,47 @@ std::vector<T> rows_of(const std::vector<T>& column, const std::vector<std::uint
   return some;
 }
 
-// What stands for several nodes at one place is known to the owner of the place alone: the others
-// take their values from there.
-void take_values_of_owners(const ModelRun& run, const SpaceShares& shares, LocalMesh& mesh) {
+// Which node stands for several at one place is known to the owner of the place alone: the others
+// take its number and values from there.
+void take_from_owners(const ModelRun& run, const SpaceShares& shares, LocalMesh& mesh) {
   const MeshNodes& nodes = mesh.nodes;
-  std::unordered_map<std::array<double, 3>, std::uint32_t, PlaceHash> own_at;
-  const auto place_of = [&](std::uint32_t node) {
-    const Vec3 at = nodes.at(node);
-    return std::array{at[0] + 0.0, at[1] + 0.0, at[2] + 0.0};
-  };
+  std::unordered_map<Vec3, std::uint32_t, PlaceHash> own_at;
   data::RowLists asked(static_cast<std::size_t>(run.team->count()));
   for (std::uint32_t node = 0; node < nodes.count(); ++node) {
     if (mesh.is_own_node[node]) {
-      own_at.try_emplace(place_of(node), node);
-    } else {
+      if (nodes.stands_for(node) == node) own_at.try_emplace(nodes.at(node), node);
+      mesh.numbers[node] = mesh.numbers[nodes.stands_for(node)];
+    } else if (nodes.is_placed(node)) {
       asked[static_cast<std::size_t>(shares.owner_of(nodes.at(node)))].push_back(node);
     }
   }
+  // Nodes are there beside the cells that have them, so that owners know every place.
   KernelTeam::Letters letters = data::letters_of(asked, 3 * sizeof(double));
   data::append_rows(letters, asked, 3, nodes.positions);
   letters = run.team->exchange(std::move(letters));
   for (data::Letter& letter : letters) {
-    std::vector<std::array<double, 3>> places;
-    data::LetterReader(letter).take(letter.size() / sizeof(places[0]), places);
+    std::vector<Vec3> places;
+    data::LetterReader(letter).take(letter.size() / sizeof(Vec3), places);
     letter.clear();
-    for (const std::vector<float>& column : mesh.values.columns) {
-      for (const auto& [x, y, z] : places) {
-        const auto found = own_at.find({x + 0.0, y + 0.0, z + 0.0});
-        const float value =
-            found == own_at.end() ? std::numeric_limits<float>::quiet_NaN() : column[found->second];
-        data::append(letter, std::span<const float>(&value, 1));
-      }
-    }
+    const auto answer = [&](const auto& column) {
+      for (const Vec3& place : places)
+        data::append(letter, std::span(&column[own_at.at(place)], 1));
+    };
+    answer(mesh.numbers);
+    if (mesh.is_cell_data) continue;
+    for (const std::vector<float>& column : mesh.values.columns) answer(column);
   }
   letters = run.team->exchange(std::move(letters));
   for (std::size_t p = 0; p < letters.size(); ++p) {
     data::LetterReader reader(letters[p]);
-    for (std::vector<float>& column : mesh.values.columns) {
-      std::vector<float> values;
-      reader.take(asked[p].size(), values);
-      for (std::size_t i = 0; i < values.size(); ++i) column[asked[p][i]] = values[i];
-    }
+    const auto take = [&]<class T>(std::vector<T>& column) {
+      std::vector<T> answers;
+      reader.take(asked[p].size(), answers);
+      for (std::size_t i = 0; i < answers.size(); ++i) column[asked[p][i]] = answers[i];
+    };
+    take(mesh.numbers);
+    if (mesh.is_cell_data) continue;
+    for (std::vector<float>& column : mesh.values.columns) take(column);
   }
 }
 
@@ -315,8 +308,9 @@ LocalMesh team_mesh(const ModelRun& run, const ChosenArrays& chosen) {
     const auto nodes = mesh.cells.nodes(c);
     mesh.is_own_cell.push_back(nodes.empty() ? own == 0 : mesh.is_own_node[nodes[0]]);
   }
-  if (!mesh.is_cell_data && total_of(run, mesh.nodes.num_merged + choice.num_replaced) > 0)
-    take_values_of_owners(run, shares, mesh);
+  mesh.numbers = rows_of(sent.numbers, choice.kept, 1);
+  if (total_of(run, mesh.nodes.num_merged + choice.num_replaced) > 0)
+    take_from_owners(run, shares, mesh);
   return mesh;
 }
 

@@ -232,8 +232,8 @@ class Slice:
         left, bottom = origin @ u / du - du / 2, origin @ v / dv - dv / 2
         self.extent = (left, left + width * du, bottom, bottom + height * dv)
 
-    def __array__(self, dtype=None):
-        return self.values if dtype is None else self.values.astype(dtype)
+    def __array__(self, dtype=None, copy=None):
+        return np.array(self.values, dtype=dtype) if copy else np.asarray(self.values, dtype=dtype)
 
     def __repr__(self):
         return f"<ovoid.Slice {self.values.shape[1]} x {self.values.shape[0]}>"

@@ -448,7 +448,7 @@ def mesh(points, cells, point_data=None, cell_data=None):
     >>> points = numpy.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], "f4")
     >>> tetra = numpy.array([[0, 1, 2, 3], [1, 2, 3, 4]], "u4")
     >>> ovoid.mesh(points, {"tetra": tetra}, {"heat": points[:, 2]})
-    <ovoid.Data mesh 'mesh': heat>
+    <ovoid.Data mesh 'mesh', 5 points: heat>
     """
     part = part_of(points, cells, point_data, cell_data)
     if not part.num_cells:

@@ -44,8 +44,8 @@ class Picture:
     def __array_interface__(self):
         return self.numpy().__array_interface__
 
-    def __dlpack__(self, stream=None):
-        return self.numpy().__dlpack__()
+    def __dlpack__(self, **options):
+        return self.numpy().__dlpack__(**options)
 
     def __dlpack_device__(self):
         return self.numpy().__dlpack_device__()
@@ -71,6 +71,11 @@ class Picture:
     def notes(self):
         """list of str: what the program would have told."""
         return self._core.notes
+
+    @property
+    def _why_empty(self):
+        """The note that nothing shows and why, or an empty text."""
+        return next((note for note in self.notes if note.startswith("nothing shows")), "")
 
     @property
     def camera(self):

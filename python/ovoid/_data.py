@@ -221,6 +221,11 @@ def lattice(array, *, spacing=None, origin=None, direction=None, affine=None, sp
     -------
     Data
 
+    Raises
+    ------
+    InvalidArgument
+        For what is no array of numbers of such a shape, and for a place that is none.
+
     Examples
     --------
     >>> import numpy, ovoid
@@ -250,6 +255,11 @@ def particles(xyz, values=None, h=None, mass=None):
     Returns
     -------
     Data
+
+    Raises
+    ------
+    InvalidArgument
+        For shapes that do not fit, what holds no numbers, and columns or fields that there are not.
 
     Examples
     --------
@@ -297,6 +307,17 @@ def read(path, **settings):
     Returns
     -------
     Data
+
+    Raises
+    ------
+    NotFound
+        Where there is no such file.
+    FileFormat
+        Where it is not what its header says.
+    Unsupported
+        For formats, or parts of them, that this build does not read.
+    InvalidArgument
+        For settings that do not suit the file.
     """
     core, _ = _core.read(paths_of(path), _settings.words(_settings.canonical(settings)), False, None)
     return Data(core)
@@ -314,6 +335,15 @@ def write(path, data, **placement):
         What `render` takes, but paths.
     **placement
         `spacing`, `origin`, `direction`, `affine`, `space` of an array.
+
+    Raises
+    ------
+    Unsupported
+        For an ending that names no format which holds such data.
+    FileWrite
+        Where the file cannot be written; nothing is left behind.
+    InvalidArgument
+        As `lattice`, of an array.
     """
     (name,) = paths_of([path])
     _check_placement(placement)
@@ -339,6 +369,11 @@ def info(data, **placement):
     Returns
     -------
     dict
+
+    Raises
+    ------
+    Error
+        As `read` of a path, as `lattice` of an array.
     """
     if not is_path(data):
         _check_placement(placement)

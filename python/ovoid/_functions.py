@@ -72,6 +72,13 @@ def fit(data, path=None, *, progress=False, **settings):
     Data
         With `Data.report`: kernels, bytes, PSNR, the greatest error, ...
 
+    Raises
+    ------
+    InvalidArgument
+        For no goal, or several.
+    Error
+        As `render`, of the data; `FileWrite` where the path cannot be written.
+
     Examples
     --------
     >>> import numpy, ovoid
@@ -103,6 +110,13 @@ def simplify(data, path=None, *, progress=False, **settings):
     -------
     Data
         The samples as the file is read, with `Data.report`: primitives, bytes, PSNR, the greatest error.
+
+    Raises
+    ------
+    InvalidArgument
+        For data that are no lattice.
+    Error
+        As `render`, of the data; `FileWrite` where the path cannot be written.
     """
     return _written("simplify", lambda *_: ".h5", data, path, progress, settings)
 
@@ -124,6 +138,13 @@ def resample(data, size=None, **settings):
     -------
     Data
         NaN where the field is not defined.
+
+    Raises
+    ------
+    InvalidArgument
+        Where nothing is asked for.
+    Error
+        As `render`, of the data; `OutOfMemory` where memory does not hold the samples.
 
     Examples
     --------
@@ -198,6 +219,13 @@ def sample(data, points, **settings):
     Returns
     -------
     Samples
+
+    Raises
+    ------
+    InvalidArgument
+        For places that are not finite, or not of three numbers.
+    Error
+        As `render`, of the data.
 
     Examples
     --------
@@ -305,6 +333,13 @@ def slice(data, normal="z", at=None, *, size=512, **settings):
     -------
     Slice
 
+    Raises
+    ------
+    InvalidArgument
+        For a normal of length 0, or a size that is not within 1 to 8192.
+    Error
+        As `render`, of the data.
+
     Examples
     --------
     >>> import numpy, ovoid
@@ -335,6 +370,11 @@ def histogram(data, *, log=False, **settings):
         Of a lattice's samples, or at a kernel set's centres. Of many millions some are looked at, evenly.
     edges : numpy.ndarray of float64, (n + 1,)
         Between the bins.
+
+    Raises
+    ------
+    Error
+        As `render`, of the data.
 
     Examples
     --------

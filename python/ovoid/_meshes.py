@@ -435,12 +435,18 @@ def mesh(points, cells, point_data=None, cell_data=None):
         each, (cells, nodes of a cell), in VTK's order. Of polygons and polyhedra also lists of any lengths; of polyhedra the faces
         or all nodes. A single array of 32 bits in C order is not copied.
     point_data : dict of str to array_like, (n,) or (n, components), optional
+        Values of the nodes, by names of arrays.
     cell_data : dict of str to array_like, optional
         Of each array the values of all cells, kind after kind; or a list or dict of arrays, one for each kind.
 
     Returns
     -------
     Data
+
+    Raises
+    ------
+    InvalidArgument
+        For kinds of cells that there are not, numbers of nodes that there are not, and shapes that do not fit.
 
     Examples
     --------

@@ -139,6 +139,13 @@ class Picture:
         ----------
         path : str or path
             ``.png``, ``.jpg``, ``.exr`` (floats, depths, normals) or ``.npy`` (float32, premultiplied).
+
+        Raises
+        ------
+        InvalidArgument
+            For another ending; of a JPEG for a background that is transparent.
+        FileWrite
+            Where the file cannot be written; nothing is left behind.
         """
         self._core.save(os.fspath(path))
 
@@ -155,6 +162,11 @@ class Picture:
         Returns
         -------
         bytes
+
+        Raises
+        ------
+        InvalidArgument
+            As `save`, and for a quality outside of its range.
         """
         try:
             quality_number = operator.index(quality)

@@ -266,6 +266,11 @@ class View:
         ------
         Picture
 
+        Raises
+        ------
+        InvalidArgument
+            For settings that have not as many values each.
+
         Examples
         --------
         >>> import numpy, ovoid
@@ -293,6 +298,11 @@ class View:
         Yields
         ------
         Picture
+
+        Raises
+        ------
+        InvalidArgument
+            For keys that are none, in words that name the key.
 
         Examples
         --------
@@ -328,8 +338,8 @@ def render(data=None, *, spacing=None, origin=None, direction=None, affine=None,
         ``__array__`` or ``__dlpack__``, or ``shape``, ``dtype`` and ``__getitem__``, is taken as an array. A path is read by the
         library. Of other packages: arrays of xarray; meshes of meshio; images, grids, meshes and points of VTK and PyVista;
         DataFrames and yt's data, as `particles` takes them; yt's covering grids; images of nibabel and SimpleITK.
-    spacing : (x, y, z), optional
-        Distance of an array's samples along its axes, world units. 1 without it.
+    spacing : (x, y, z) or float, optional
+        Distance of an array's samples along its axes, world units; one number: along all of them. 1 without it.
     origin : (x, y, z), optional
         The place of the first sample, world units.
     direction : (3, 3) array_like, optional
@@ -347,7 +357,7 @@ def render(data=None, *, spacing=None, origin=None, direction=None, affine=None,
         Measures the stages, for `Picture.profile`.
     **settings
         The flags of ``ovoid render`` with underscores (`settings` tells them all), or PyVista's words for them: `cmap`, `clim`,
-        `opacity`, `background`, `window_size`, `cpos`, ...
+        `opacity`, `background`, `window_size`, `cpos`, ... `cmap` also takes a list of colours, and a colour map of matplotlib's.
 
     Returns
     -------
@@ -387,6 +397,15 @@ def animate(pictures, path, fps=25, *, camera_path=None, frames=None, **settings
         With a camera path: so many pictures, not up to the last key.
     **settings
         With a camera path: settings of all pictures.
+
+    Raises
+    ------
+    InvalidArgument
+        For no pictures, of several sizes, or a path without the ending of a film.
+    Unsupported
+        Where ffmpeg is not installed, which is looked for first.
+    FileWrite
+        Where the film cannot be written.
 
     Examples
     --------

@@ -65,6 +65,11 @@ def settings(command="render"):
     dict of str to str
         The sentence of the program's help for each name, with the form of the value in front.
 
+    Raises
+    ------
+    InvalidArgument
+        For another command.
+
     Examples
     --------
     >>> import ovoid

@@ -2,6 +2,7 @@
 """Threads, Ctrl-C, forks, memory over many pictures, what an import costs, and the examples of the documentation."""
 import doctest
 import importlib
+import inspect
 import os
 import re
 import resource
@@ -175,6 +176,29 @@ def test_examples_of_docstrings(tmp_path, monkeypatch, module):
     monkeypatch.chdir(tmp_path)
     found = doctest.testmod(importlib.import_module(f"ovoid.{module}"))
     assert found.attempted > 0 and found.failed == 0
+
+
+def _public():
+    """Every function and class that users call, and their methods, by name."""
+    for name in ovoid.__all__:
+        thing = getattr(ovoid, name)
+        if inspect.isclass(thing) and not issubclass(thing, Exception):
+            yield from ((f"{name}.{method}", value) for method, value in vars(thing).items() if inspect.isfunction(value) and not method.startswith("_"))
+        elif inspect.isfunction(thing):
+            yield name, thing
+
+
+@pytest.mark.parametrize("name, function", _public())
+def test_docstrings_are_complete(name, function):
+    """In numpydoc's sections: every argument, what comes back, and of functions what they raise."""
+    text = inspect.getdoc(function)
+    sections = dict(re.findall(r"(?ms)^(\w+)\n-+\n(.*?)(?=^\w+\n-+\n|\Z)", text))
+    told = {word.strip().lstrip("*") for line in re.findall(r"(?m)^(\S.*)$", sections.get("Parameters", "")) for word in line.split(" : ")[0].split(",")}
+    assert told == set(inspect.signature(function).parameters) - {"self"}
+    assert len(text.splitlines()[0]) > 10 and text.splitlines()[0].endswith(".")
+    makes_nothing = name in ("animate", "write", "Picture.save", "Interactive.close")
+    assert makes_nothing or {"Returns", "Yields"} & set(sections)
+    assert "." in name or "Raises" in sections
 
 
 def test_examples_of_the_page(tmp_path, monkeypatch):

@@ -146,7 +146,17 @@ def paths_of(data):
         several = isinstance(data, (list, tuple)) and len(data) > 1
         raise InvalidArgument(f"path: is {'a list' if several else _kind_of(data)}, expected the name of a file, or a list of names")
     names = [data] if isinstance(data, (str, os.PathLike)) else data
-    return [os.fsdecode(name) for name in names]
+    names = [os.fsdecode(name) for name in names]
+    for name in names:
+        if "\0" in name:
+            raise InvalidArgument(f"path = {name!r}: holds a NUL, which no name of a file does")
+    return names
+
+
+def path_of(path):
+    """One name of a file as text."""
+    (name,) = paths_of([path])
+    return name
 
 
 # Where an array is, as `render` takes it.
@@ -345,7 +355,7 @@ def write(path, data, **placement):
     InvalidArgument
         As `lattice`, of an array.
     """
-    (name,) = paths_of([path])
+    name = path_of(path)
     _check_placement(placement)
     found = data_of(data, **placement)
     if found._core.num_steps > 1 or name.endswith(".pvd"):

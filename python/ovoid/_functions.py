@@ -9,7 +9,7 @@ import typing
 import numpy as np
 
 from . import _arrays, _core, _settings
-from ._data import PLACEMENT, Data, data_of, is_path, paths_of
+from ._data import PLACEMENT, Data, data_of, is_path, path_of, paths_of
 from ._errors import InvalidArgument
 from ._progress import bar
 from ._scene import Scene
@@ -43,7 +43,7 @@ def _written(command, endings, data, path, progress, settings):
             raise InvalidArgument(f"{name}: is no setting here; the path is the second argument, and the report the result's")
     words = _settings.words_for(command, settings)
     with tempfile.TemporaryDirectory() as folder:
-        output = os.path.join(folder, command + endings(data, core)) if path is None else os.fspath(path)
+        output = os.path.join(folder, command + endings(data, core)) if path is None else path_of(path)
         with bar(progress, command) as on_progress:
             report, notes = getattr(_core, command)(core, inputs, [*words, "--output", output], on_progress)
         _log_notes(notes)
@@ -380,8 +380,8 @@ def histogram(data, *, log=False, **settings):
     --------
     >>> import numpy, ovoid
     >>> counts, edges = ovoid.histogram(numpy.arange(27, dtype="u1").reshape(3, 3, 3))
-    >>> counts.tolist() == [1] * 27, edges[0], edges[-1]
-    (True, -0.5, 26.5)
+    >>> counts.tolist() == [1] * 27, edges[[0, -1]].tolist()
+    (True, [-0.5, 26.5])
     """
     return Scene(data, **settings).histogram(log=log)
 

@@ -2,9 +2,9 @@
 """Finished pictures."""
 import json
 import operator
-import os
 
 from . import _core
+from ._data import path_of
 from ._errors import InvalidArgument
 
 
@@ -147,7 +147,7 @@ class Picture:
         FileWrite
             Where the file cannot be written; nothing is left behind.
         """
-        self._core.save(os.fspath(path))
+        self._core.save(path_of(path))
 
     def encode(self, ending=".png", quality=92):
         """The bytes of the file that `save` writes, without a file.

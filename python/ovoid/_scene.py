@@ -6,7 +6,7 @@ import shutil
 
 from . import _core, _settings, _state
 from ._beside import Beside
-from ._data import data_of, is_path, paths_of
+from ._data import data_of, is_path, path_of, paths_of
 from ._errors import InvalidArgument, Unsupported
 from ._picture import Picture
 from ._progress import bar
@@ -420,7 +420,7 @@ def animate(pictures, path, fps=25, *, camera_path=None, frames=None, **settings
         fps = float(fps)
     except (TypeError, ValueError, OverflowError):
         raise InvalidArgument(f"fps = {fps!r}: expected a number") from None
-    path = os.path.abspath(os.fspath(path))
+    path = os.path.abspath(path_of(path))
     if not path.endswith((".gif", ".mp4", ".webm")):
         raise InvalidArgument(f"'{path}': expected a film: .gif, .mp4 or .webm")
     if not path.endswith(".gif") and shutil.which("ffmpeg") is None:  # else told when all is drawn

@@ -188,7 +188,7 @@ def _words_of(name, value, command):
         else:
             value = _label_table(value)
     if kind == _TOGGLE:
-        if not (isinstance(value, int) and value in (0, 1) or type(value).__name__ == "bool_"):  # numpy's
+        if not (isinstance(value, int) and value in (0, 1) or type(value).__name__ in ("bool", "bool_")):  # numpy's, of 2 and before
             raise InvalidArgument(f"{name} = {value!r}: expected True or False")
         if value:
             return [f"--{flag}"]
@@ -337,7 +337,13 @@ def canonical(given, span=None, command="render"):
 
 def words(chosen, command="render"):
     """Canonical settings as words of a command line."""
-    return [word for name, value in chosen.items() for word in _words_of(name, value, command)]
+    found = []
+    for name, value in chosen.items():
+        of_name = _words_of(name, value, command)
+        if any("\0" in word for word in of_name):  # where a word would end without a word
+            raise InvalidArgument(f"{name} = {value!r}: holds a NUL")
+        found += of_name
+    return found
 
 
 def words_for(command, given):

@@ -120,7 +120,11 @@ def test_names_that_are_not_there_suggest_others():
 def test_what_is_no_path(tmp_path):
     """Without the whole array in the message."""
     for call, words in ((lambda: ovoid.write(bumps(), tmp_path / "a.nrrd"), "path: is ndarray, expected the name of a file"),
-                        (lambda: ovoid.read([bumps(), bumps()]), "path: is a list, expected the name of a file")):
+                        (lambda: ovoid.read([bumps(), bumps()]), "path: is a list, expected the name of a file"),
+                        (lambda: ovoid.render("a\0.nrrd"), r"path = 'a\x00.nrrd': holds a NUL"),
+                        (lambda: ovoid.render(bumps(), **SMALL).save("a\0.png"), "path = "),
+                        (lambda: ovoid.write("a\0.nrrd", bumps()), "path = "),
+                        (lambda: ovoid.render(bumps(), tf="a\0.json"), r"tf = 'a\x00.json': holds a NUL")):
         with pytest.raises(ovoid.InvalidArgument) as caught:
             call()
         assert str(caught.value).startswith(words) and len(str(caught.value)) < 100

@@ -26,6 +26,22 @@ constexpr ScalarType kTypes[] = {ScalarType::kUInt8,  ScalarType::kInt8,   Scala
   throw Error(ErrorCode::kInvalidArgument, message);
 }
 
+// Bytes of a value. pybind11 before 2.12 looks for them where numpy 2 keeps something else, and so
+// nothing here may ask it for sizes or for strides.
+py::ssize_t size_of_value(const py::dtype& dtype) {
+  return dtype.attr("itemsize").cast<py::ssize_t>();
+}
+
+// Values in C order that `keeper` keeps, read only.
+py::array view_of(const py::dtype& dtype, const std::vector<py::ssize_t>& shape, const void* values,
+                  const py::capsule& keeper) {
+  std::vector<py::ssize_t> strides(shape.size(), size_of_value(dtype));
+  for (std::size_t i = shape.size(); i-- > 1;) strides[i - 1] = strides[i] * shape[i];
+  py::array view(dtype, shape, strides, values, keeper);
+  view.attr("setflags")(py::arg("write") = false);
+  return view;
+}
+
 std::optional<ScalarType> type_of(const py::dtype& dtype) {
   for (const ScalarType type : kTypes) {
     if (dtype.is(py::dtype(name_of(type)))) return type;
@@ -33,7 +49,7 @@ std::optional<ScalarType> type_of(const py::dtype& dtype) {
   // numpy has several types of one size: long and long long.
   for (const ScalarType type : kTypes) {
     const py::dtype same(name_of(type));
-    if (same.kind() == dtype.kind() && same.itemsize() == dtype.itemsize() &&
+    if (same.kind() == dtype.kind() && size_of_value(same) == size_of_value(dtype) &&
         py::bool_(dtype.attr("isnative")))
       return type;
   }
@@ -52,7 +68,8 @@ std::shared_ptr<const void> held(py::object object) {
 
 Bytes shared_bytes(const py::array& values) {
   const auto* const data = static_cast<const std::byte*>(values.data());
-  return {held(values), {data, static_cast<std::size_t>(values.nbytes())}};
+  const py::ssize_t size = values.size() * size_of_value(values.dtype());
+  return {held(values), {data, static_cast<std::size_t>(size)}};
 }
 
 void require_tuples(const NamedArray& named, std::int64_t num_tuples) {
@@ -254,9 +271,7 @@ py::object to_numpy(const DataArray& array) {
   using Owner = std::shared_ptr<const void>;
   const py::capsule keeper(new Owner(array.bytes.owner),
                            [](void* owner) { delete static_cast<Owner*>(owner); });
-  py::array values(py::dtype(name_of(array.type)), shape, array.bytes.view.data(), keeper);
-  values.attr("setflags")(py::arg("write") = false);
-  return values;
+  return view_of(py::dtype(name_of(array.type)), shape, array.bytes.view.data(), keeper);
 }
 
 py::array node_numbers(const std::shared_ptr<const Dataset>& dataset) {
@@ -264,19 +279,20 @@ py::array node_numbers(const std::shared_ptr<const Dataset>& dataset) {
   const py::capsule keeper(new Owner(dataset),
                            [](void* kept) { delete static_cast<Owner*>(kept); });
   const std::span<const std::uint32_t> nodes = dataset->cells.connectivity.view();
-  py::array view(py::dtype::of<std::uint32_t>(), {static_cast<py::ssize_t>(nodes.size())},
+  return view_of(py::dtype::of<std::uint32_t>(), {static_cast<py::ssize_t>(nodes.size())},
                  nodes.data(), keeper);
-  view.attr("setflags")(py::arg("write") = false);
-  return view;
 }
 
-py::array float_view(const std::vector<float>& values, std::vector<py::ssize_t> shape,
+py::array float_view(const std::vector<float>& values, const std::vector<py::ssize_t>& shape,
                      const std::shared_ptr<const void>& owner) {
   using Owner = std::shared_ptr<const void>;
   const py::capsule keeper(new Owner(owner), [](void* kept) { delete static_cast<Owner*>(kept); });
-  py::array view(py::dtype::of<float>(), std::move(shape), values.data(), keeper);
-  view.attr("setflags")(py::arg("write") = false);
-  return view;
+  return view_of(py::dtype::of<float>(), shape, values.data(), keeper);
+}
+
+py::array copy_of(const std::vector<std::uint64_t>& counts) {
+  const auto size = static_cast<py::ssize_t>(counts.size());
+  return py::array_t<std::uint64_t>({size}, {py::ssize_t{sizeof(std::uint64_t)}}, counts.data());
 }
 
 }  // namespace ovoid::python

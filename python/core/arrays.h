@@ -6,6 +6,7 @@
 #include <pybind11/pybind11.h>
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -80,7 +81,11 @@ pybind11::object to_numpy(const DataArray& array);
 pybind11::array node_numbers(const std::shared_ptr<const Dataset>& dataset);
 
 // The same of floats that `owner` keeps.
-pybind11::array float_view(const std::vector<float>& values, std::vector<pybind11::ssize_t> shape,
+pybind11::array float_view(const std::vector<float>& values,
+                           const std::vector<pybind11::ssize_t>& shape,
                            const std::shared_ptr<const void>& owner);
+
+// A copy, [counts.size()].
+pybind11::array copy_of(const std::vector<std::uint64_t>& counts);
 
 }  // namespace ovoid::python

@@ -359,9 +359,8 @@ py::tuple histogram(Scene& scene, const cli::Words& words, const Beside& beside,
   cli::Histogram found;
   wait_for([&](Work& work) { found = scene.histogram(asked, work); });
   const cli::Histogram::Bins& bins = is_logarithmic ? found.logarithmic : found.linear;
-  return py::make_tuple(
-      py::array_t<std::uint64_t>(static_cast<py::ssize_t>(bins.counts.size()), bins.counts.data()),
-      bins.lo, bins.hi);
+  py::array counts = copy_of(bins.counts);
+  return py::make_tuple(std::move(counts), bins.lo, bins.hi);
 }
 
 using Place = std::array<double, 3>;

@@ -4,6 +4,7 @@
 What draws is loaded by the first name that is used, so that the import costs a few milliseconds.
 """
 import importlib
+import sys
 
 _MODULES = {
     "_data": ("Data", "info", "lattice", "particles", "read", "write"),
@@ -29,7 +30,7 @@ def __getattr__(name):
     elif name in _MODULE_OF:
         value = getattr(importlib.import_module("." + _MODULE_OF[name], __name__), name)
     else:
-        raise AttributeError(f"module 'ovoid' has no attribute '{name}'")
+        raise AttributeError(f"module 'ovoid' has no attribute '{name}'", name=name, obj=sys.modules[__name__])  # Python finds a like one
     globals()[name] = value
     return value
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Arrays of any kind as what the library takes: C order, the machine's byte order, its types; with NaN where values are masked."""
+import numbers
+
 import numpy as np
 
 from ._errors import InvalidArgument
@@ -62,13 +64,18 @@ def numbers_of(data, name="data"):
     """
     if hasattr(data, "__dlpack__") and not isinstance(data, np.ndarray):
         data = _on_host(data, name)
+    if not hasattr(data, "dtype") and hasattr(data, "keys"):
+        names = [repr(key) for key in data.keys()]
+        raise InvalidArgument(f"{name}: is a {type(data).__name__} of {', '.join(names[:9]) or 'nothing'}, expected an array, such as one of these")
     if not hasattr(data, "dtype") or not hasattr(data, "shape") or (hasattr(data, "__array__") and not isinstance(data, np.ndarray)):
         try:
             data = np.asanyarray(data)
         except (RuntimeError, TypeError, ValueError) as error:
             raise InvalidArgument(f"{name}: {error}") from None
     elif not isinstance(data, np.ndarray):
-        data = np.asarray(data[...])
+        shape, data = tuple(data.shape), np.asanyarray(data[...])
+        if data.shape != shape:
+            raise InvalidArgument(f"{name}: has the shape {shape}, but what is read of it {data.shape}")
     target = _library_type(data.dtype, name)
     if isinstance(data, np.ma.MaskedArray):
         mask = np.ma.getmaskarray(data)
@@ -127,15 +134,23 @@ def _affine(value):
     return matrix[:3]
 
 
+def _spacing(value):
+    """Three numbers > 0, which may be one for all axes."""
+    expected = "a number > 0, or three along x, y, z"
+    is_one = isinstance(value, numbers.Real) and not isinstance(value, bool)
+    spacing = vector([value] * 3 if is_one else value, "spacing", expected)
+    if not (spacing > 0).all():
+        raise InvalidArgument(f"spacing = {value if is_one else tuple(spacing.tolist())}: expected {expected}")
+    return spacing
+
+
 def placement(spacing, origin, direction, affine=None):
     """world_from_index by rows, [3, 4]: from VTK's three words, each (x, y, z), or from a matrix of all."""
     if affine is not None:
         if not (spacing is None and origin is None and direction is None):
             raise InvalidArgument("affine: says what spacing, origin and direction say; give one of them")
         return _affine(affine)
-    spacing = np.ones(3) if spacing is None else vector(spacing, "spacing", "three numbers > 0, along x, y, z")
-    if not (spacing > 0).all():
-        raise InvalidArgument(f"spacing = {tuple(spacing.tolist())}: expected three numbers > 0, along x, y, z")
+    spacing = np.ones(3) if spacing is None else _spacing(spacing)
     origin = np.zeros(3) if origin is None else vector(origin, "origin", "the place x, y, z of the first sample")
     matrix = np.eye(3) if direction is None else _direction(direction)
     return np.column_stack([matrix * spacing, origin])

@@ -75,7 +75,7 @@ class Beside:
             what = "files" if own is None else own.kind
             raise InvalidArgument(f"{setting}: is an array without a place, and the data are {what}: expected ovoid.lattice(array, spacing=..., origin=...)")
         if dims != tuple(own._core.dims):
-            raise InvalidArgument(f"{setting}: has {_times(dims)} samples, the data {_times(own._core.dims)}: expected as many, "
+            raise InvalidArgument(f"{setting}: has the shape {tuple(array.shape)}, the data {tuple(reversed(own._core.dims))}: expected the same, "
                                   "or ovoid.lattice(array, spacing=..., origin=...), which has a place of its own")
         space = own.space
         return data_of(array, affine=[*own.matrix, [0, 0, 0, 1]], space=None if space == "none" else space)
@@ -90,10 +90,6 @@ def _arrays_dims(array, name):
     from . import _arrays
 
     return tuple(_arrays.dims_of(array.shape, name))
-
-
-def _times(dims):
-    return " x ".join(str(number) for number in dims)
 
 
 def _free_name(setting, ending, taken):

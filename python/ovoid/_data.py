@@ -82,9 +82,50 @@ class Data:
             found.setdefault(name, values)
         return found
 
+    def numpy(self, array=None):
+        """The values of one array, as `arrays` has them.
+
+        Parameters
+        ----------
+        array : str, optional
+            Its name. Without it the only one there is.
+
+        Returns
+        -------
+        numpy.ndarray
+            Read only; of lattices (z, y, x) or (z, y, x, component), of anything else (n,) or (n, components). Not copied.
+
+        Raises
+        ------
+        InvalidArgument
+            For a name that there is not, for none where there are several, and for values that stay in a file.
+
+        Examples
+        --------
+        >>> import numpy, ovoid
+        >>> ovoid.lattice(numpy.zeros((2, 3, 4))).numpy().shape
+        (2, 3, 4)
+        """
+        arrays = self.arrays
+        if array is None and len(arrays) == 1:
+            (array,) = arrays
+        if array not in arrays:
+            has = ", ".join(repr(name) for name in arrays) or "no arrays"
+            raise InvalidArgument(f"array = {array!r}: the data have {has}: expected one of them")
+        if arrays[array] is None:
+            raise InvalidArgument(f"array '{array}': its values stay in their file")
+        return arrays[array]
+
+    def __array__(self, dtype=None, copy=None):
+        import numpy as np
+
+        values = self.numpy()
+        return np.array(values, dtype=dtype) if copy else np.asarray(values, dtype=dtype)
+
     def __repr__(self):
+        size = " x ".join(str(n) for n in self._core.dims) if self.kind == "lattice" else f"{len(self.positions)} points"
         steps = "" if self._core.num_steps == 1 else f", {self._core.num_steps} steps"
-        return f"<ovoid.Data {self.kind} '{self.source}': {', '.join(self._core.array_names) or 'no arrays'}{steps}>"
+        return f"<ovoid.Data {self.kind} '{self.source}', {size}: {', '.join(self._core.array_names) or 'no arrays'}{steps}>"
 
 
 def is_path(data):
@@ -94,12 +135,28 @@ def is_path(data):
     return isinstance(data, (list, tuple)) and bool(data) and all(isinstance(one, (str, os.PathLike)) for one in data)
 
 
+def _kind_of(data):
+    (one,) = data if isinstance(data, (list, tuple)) and len(data) == 1 else (data,)
+    return type(one).__name__
+
+
 def paths_of(data):
     """Names of files as text."""
     if not is_path(data):
-        raise InvalidArgument(f"path = {data!r}: expected the name of a file, or a list of names")
+        several = isinstance(data, (list, tuple)) and len(data) > 1
+        raise InvalidArgument(f"path: is {'a list' if several else _kind_of(data)}, expected the name of a file, or a list of names")
     names = [data] if isinstance(data, (str, os.PathLike)) else data
-    return [os.fsdecode(name) for name in names]
+    names = [os.fsdecode(name) for name in names]
+    for name in names:
+        if "\0" in name:
+            raise InvalidArgument(f"path = {name!r}: holds a NUL, which no name of a file does")
+    return names
+
+
+def path_of(path):
+    """One name of a file as text."""
+    (name,) = paths_of([path])
+    return name
 
 
 # Where an array is, as `render` takes it.
@@ -110,6 +167,13 @@ def _check_placement(placement):
     for name in placement:
         if name not in PLACEMENT:
             raise UnknownSetting(f"{name}: unknown setting{_core.did_you_mean(name, PLACEMENT)}")
+
+
+def _refuse_places(data):
+    """A flat picture of three columns is never what is meant."""
+    shape, dtype = getattr(data, "shape", ()), getattr(data, "dtype", None)
+    if len(shape) == 2 and shape[1] == 3 and shape[0] > 3 and getattr(dtype, "kind", "") == "f":
+        raise InvalidArgument(f"data: has the shape {tuple(shape)}, which places x, y, z have: expected ovoid.particles(array); of samples array[None]")
 
 
 def data_of(data, spacing=None, origin=None, direction=None, affine=None, space=None, memory_limit=None, named=("values", ""), may_stay=True):
@@ -142,6 +206,8 @@ def data_of(data, spacing=None, origin=None, direction=None, affine=None, space=
         core = _large.lattice_of(data, _arrays.dims_of(data.shape, "data"), matrix.tolist(), name, unit, limit)
         return Data(core if space is None else core.with_facts("", str(space), []))
     names = getattr(getattr(data, "dtype", None), "names", None)
+    if not is_placed:
+        _refuse_places(data)
     arrays = []
     for part, values in [(part, data[part]) for part in names] if names else [(name, data)]:
         values = _arrays.numbers_of(values, part if names else "data")
@@ -164,6 +230,11 @@ def lattice(array, *, spacing=None, origin=None, direction=None, affine=None, sp
     Returns
     -------
     Data
+
+    Raises
+    ------
+    InvalidArgument
+        For what is no array of numbers of such a shape, and for a place that is none.
 
     Examples
     --------
@@ -194,6 +265,11 @@ def particles(xyz, values=None, h=None, mass=None):
     Returns
     -------
     Data
+
+    Raises
+    ------
+    InvalidArgument
+        For shapes that do not fit, what holds no numbers, and columns or fields that there are not.
 
     Examples
     --------
@@ -241,6 +317,17 @@ def read(path, **settings):
     Returns
     -------
     Data
+
+    Raises
+    ------
+    NotFound
+        Where there is no such file.
+    FileFormat
+        Where it is not what its header says.
+    Unsupported
+        For formats, or parts of them, that this build does not read.
+    InvalidArgument
+        For settings that do not suit the file.
     """
     core, _ = _core.read(paths_of(path), _settings.words(_settings.canonical(settings)), False, None)
     return Data(core)
@@ -258,8 +345,17 @@ def write(path, data, **placement):
         What `render` takes, but paths.
     **placement
         `spacing`, `origin`, `direction`, `affine`, `space` of an array.
+
+    Raises
+    ------
+    Unsupported
+        For an ending that names no format which holds such data.
+    FileWrite
+        Where the file cannot be written; nothing is left behind.
+    InvalidArgument
+        As `lattice`, of an array.
     """
-    (name,) = paths_of([path])
+    name = path_of(path)
     _check_placement(placement)
     found = data_of(data, **placement)
     if found._core.num_steps > 1 or name.endswith(".pvd"):
@@ -283,6 +379,11 @@ def info(data, **placement):
     Returns
     -------
     dict
+
+    Raises
+    ------
+    Error
+        As `read` of a path, as `lattice` of an array.
     """
     if not is_path(data):
         _check_placement(placement)

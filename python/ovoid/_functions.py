@@ -9,7 +9,7 @@ import typing
 import numpy as np
 
 from . import _arrays, _core, _settings
-from ._data import PLACEMENT, Data, data_of, is_path, paths_of
+from ._data import PLACEMENT, Data, data_of, is_path, path_of, paths_of
 from ._errors import InvalidArgument
 from ._progress import bar
 from ._scene import Scene
@@ -43,7 +43,7 @@ def _written(command, endings, data, path, progress, settings):
             raise InvalidArgument(f"{name}: is no setting here; the path is the second argument, and the report the result's")
     words = _settings.words_for(command, settings)
     with tempfile.TemporaryDirectory() as folder:
-        output = os.path.join(folder, command + endings(data, core)) if path is None else os.fspath(path)
+        output = os.path.join(folder, command + endings(data, core)) if path is None else path_of(path)
         with bar(progress, command) as on_progress:
             report, notes = getattr(_core, command)(core, inputs, [*words, "--output", output], on_progress)
         _log_notes(notes)
@@ -71,6 +71,13 @@ def fit(data, path=None, *, progress=False, **settings):
     -------
     Data
         With `Data.report`: kernels, bytes, PSNR, the greatest error, ...
+
+    Raises
+    ------
+    InvalidArgument
+        For no goal, or several.
+    Error
+        As `render`, of the data; `FileWrite` where the path cannot be written.
 
     Examples
     --------
@@ -103,6 +110,13 @@ def simplify(data, path=None, *, progress=False, **settings):
     -------
     Data
         The samples as the file is read, with `Data.report`: primitives, bytes, PSNR, the greatest error.
+
+    Raises
+    ------
+    InvalidArgument
+        For data that are no lattice.
+    Error
+        As `render`, of the data; `FileWrite` where the path cannot be written.
     """
     return _written("simplify", lambda *_: ".h5", data, path, progress, settings)
 
@@ -124,6 +138,13 @@ def resample(data, size=None, **settings):
     -------
     Data
         NaN where the field is not defined.
+
+    Raises
+    ------
+    InvalidArgument
+        Where nothing is asked for.
+    Error
+        As `render`, of the data; `OutOfMemory` where memory does not hold the samples.
 
     Examples
     --------
@@ -199,6 +220,13 @@ def sample(data, points, **settings):
     -------
     Samples
 
+    Raises
+    ------
+    InvalidArgument
+        For places that are not finite, or not of three numbers.
+    Error
+        As `render`, of the data.
+
     Examples
     --------
     >>> import numpy, ovoid
@@ -232,8 +260,8 @@ class Slice:
         left, bottom = origin @ u / du - du / 2, origin @ v / dv - dv / 2
         self.extent = (left, left + width * du, bottom, bottom + height * dv)
 
-    def __array__(self, dtype=None):
-        return self.values if dtype is None else self.values.astype(dtype)
+    def __array__(self, dtype=None, copy=None):
+        return np.array(self.values, dtype=dtype) if copy else np.asarray(self.values, dtype=dtype)
 
     def __repr__(self):
         return f"<ovoid.Slice {self.values.shape[1]} x {self.values.shape[0]}>"
@@ -305,6 +333,13 @@ def slice(data, normal="z", at=None, *, size=512, **settings):
     -------
     Slice
 
+    Raises
+    ------
+    InvalidArgument
+        For a normal of length 0, or a size that is not within 1 to 8192.
+    Error
+        As `render`, of the data.
+
     Examples
     --------
     >>> import numpy, ovoid
@@ -336,12 +371,17 @@ def histogram(data, *, log=False, **settings):
     edges : numpy.ndarray of float64, (n + 1,)
         Between the bins.
 
+    Raises
+    ------
+    Error
+        As `render`, of the data.
+
     Examples
     --------
     >>> import numpy, ovoid
     >>> counts, edges = ovoid.histogram(numpy.arange(27, dtype="u1").reshape(3, 3, 3))
-    >>> counts.tolist() == [1] * 27, edges[0], edges[-1]
-    (True, -0.5, 26.5)
+    >>> counts.tolist() == [1] * 27, edges[[0, -1]].tolist()
+    (True, [-0.5, 26.5])
     """
     return Scene(data, **settings).histogram(log=log)
 

@@ -23,6 +23,7 @@ _MOVING_S = 0.08  # for a moving picture, so that with its way to the browser te
 _MOVING_QUALITY = 80
 _FACTORS = [2 ** (k / 4) for k in range(-16, 17)]  # what zoom and opacity can be multiplied by
 _NO_LOOK = "as it is"  # the colour map that the look has without one
+_AS_GIVEN = "as given"  # colours that have no name
 # Settings that a camera says already, and those that mean nothing in some modes.
 _OF_CAMERAS = ("view", "fit", "projection", "view_angle")
 _OF_LAYERS = ("unit_distance", "gradient_opacity")
@@ -163,6 +164,8 @@ def _own_names(settings):
             continue
         given = _settings.canonical({name: value}) if name in ("cpos", "blending") else {_settings._ALIASES.get(name, name): value}
         own.update(given)
+    if "colormap" in own:
+        own["colormap"] = _settings.colors(own["colormap"])
     return own
 
 
@@ -288,7 +291,7 @@ class Interactive:
     def _add_list(self, name, value, options):
         given = self._given.get(name)
         if given is not None and given not in [one for _, one in options]:
-            options = [(str(given), given), *options]
+            options = [(_AS_GIVEN if "," in str(given) else str(given), given), *options]
         value = given if given is not None else dict(options)[value]
         self._add(name, self._toolkit.Dropdown(options=options, value=value))
 
@@ -332,7 +335,9 @@ class Interactive:
         except Error as error:
             self._message.value = str(error)
             return None
-        self._message.value = ""
+        self._message.value = picture._why_empty
+        for note in picture.notes:
+            _log.info("%s", note)
         if size is None:
             self._last = (settings, picture)
         return picture, max(1e-3, time.monotonic() - started - _preparing_s(picture))

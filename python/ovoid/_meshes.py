@@ -435,6 +435,7 @@ def mesh(points, cells, point_data=None, cell_data=None):
         each, (cells, nodes of a cell), in VTK's order. Of polygons and polyhedra also lists of any lengths; of polyhedra the faces
         or all nodes. A single array of 32 bits in C order is not copied.
     point_data : dict of str to array_like, (n,) or (n, components), optional
+        Values of the nodes, by names of arrays.
     cell_data : dict of str to array_like, optional
         Of each array the values of all cells, kind after kind; or a list or dict of arrays, one for each kind.
 
@@ -442,13 +443,18 @@ def mesh(points, cells, point_data=None, cell_data=None):
     -------
     Data
 
+    Raises
+    ------
+    InvalidArgument
+        For kinds of cells that there are not, numbers of nodes that there are not, and shapes that do not fit.
+
     Examples
     --------
     >>> import numpy, ovoid
     >>> points = numpy.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], "f4")
     >>> tetra = numpy.array([[0, 1, 2, 3], [1, 2, 3, 4]], "u4")
     >>> ovoid.mesh(points, {"tetra": tetra}, {"heat": points[:, 2]})
-    <ovoid.Data mesh 'mesh': heat>
+    <ovoid.Data mesh 'mesh', 5 points: heat>
     """
     part = part_of(points, cells, point_data, cell_data)
     if not part.num_cells:

@@ -2,9 +2,9 @@
 """Finished pictures."""
 import json
 import operator
-import os
 
 from . import _core
+from ._data import path_of
 from ._errors import InvalidArgument
 
 
@@ -44,8 +44,8 @@ class Picture:
     def __array_interface__(self):
         return self.numpy().__array_interface__
 
-    def __dlpack__(self, stream=None):
-        return self.numpy().__dlpack__()
+    def __dlpack__(self, **options):
+        return self.numpy().__dlpack__(**options)
 
     def __dlpack_device__(self):
         return self.numpy().__dlpack_device__()
@@ -71,6 +71,11 @@ class Picture:
     def notes(self):
         """list of str: what the program would have told."""
         return self._core.notes
+
+    @property
+    def _why_empty(self):
+        """The note that nothing shows and why, or an empty text."""
+        return next((note for note in self.notes if note.startswith("nothing shows")), "")
 
     @property
     def camera(self):
@@ -134,8 +139,15 @@ class Picture:
         ----------
         path : str or path
             ``.png``, ``.jpg``, ``.exr`` (floats, depths, normals) or ``.npy`` (float32, premultiplied).
+
+        Raises
+        ------
+        InvalidArgument
+            For another ending; of a JPEG for a background that is transparent.
+        FileWrite
+            Where the file cannot be written; nothing is left behind.
         """
-        self._core.save(os.fspath(path))
+        self._core.save(path_of(path))
 
     def encode(self, ending=".png", quality=92):
         """The bytes of the file that `save` writes, without a file.
@@ -150,6 +162,11 @@ class Picture:
         Returns
         -------
         bytes
+
+        Raises
+        ------
+        InvalidArgument
+            As `save`, and for a quality outside of its range.
         """
         try:
             quality_number = operator.index(quality)

@@ -2,11 +2,12 @@
 """Drawing: once, or data that are kept between frames."""
 import logging
 import os
+import shutil
 
 from . import _core, _settings, _state
 from ._beside import Beside
-from ._data import data_of, is_path, paths_of
-from ._errors import InvalidArgument
+from ._data import data_of, is_path, path_of, paths_of
+from ._errors import InvalidArgument, Unsupported
 from ._picture import Picture
 from ._progress import bar
 
@@ -45,7 +46,8 @@ class Scene:
             if spacing is not None:
                 settings["spacing"] = spacing  # of raw files, which the program refuses of others
             self._data = None
-            self._core = _core.Scene(None, paths_of(data))
+            self._files = paths_of(data)
+            self._core = _core.Scene(None, self._files)
         else:
             self._data = data_of(data, spacing, origin, direction, affine, space, settings.get("memory_limit"))
             self._core = _core.Scene(self._data._core, [])
@@ -78,40 +80,110 @@ class Scene:
     def render(self, *, progress=False, profile=False, **settings):
         """Draws a frame by the scene's settings and those given here, which win.
 
+        Parameters
+        ----------
+        progress : bool
+            Shows a bar while it draws, by tqdm if that is installed.
+        profile : bool
+            Measures the stages, for `Picture.profile`.
+        **settings
+            As `ovoid.render` takes them.
+
         Returns
         -------
         Picture
         """
         with bar(progress) as on_progress:
-            return self._draw({**self.settings, **settings}, bool(profile), on_progress)
+            picture = self._draw({**self.settings, **settings}, bool(profile), on_progress)
+        why_empty = picture._why_empty
+        for note in picture.notes:
+            _log.log(logging.WARNING if note == why_empty else logging.INFO, "%s", note)
+        return picture
 
     def _draw(self, settings, profile, on_progress, coarseness=0):
-        core = self._core.draw(*self._asked(settings), profile, on_progress, coarseness)
-        for note in core.notes:
-            _log.info("%s", note)
-        return Picture(core)
+        return Picture(self._core.draw(*self._asked(settings), profile, on_progress, coarseness))
 
     def view(self, **settings):
-        """A `View` of the scene with settings of its own."""
+        """How the scene is looked at, with settings that are kept.
+
+        Parameters
+        ----------
+        **settings
+            As `ovoid.render` takes them; they win over those of the scene.
+
+        Returns
+        -------
+        View
+
+        Raises
+        ------
+        UnknownSetting
+            For names that there are not. Values are looked at when it draws.
+        """
         return View(self, settings)
 
     def sample(self, points):
-        """The field at places, as `ovoid.sample` gives it."""
+        """The field, and its gradient, at places.
+
+        Parameters
+        ----------
+        points : array_like, (..., 3)
+            Places x, y, z; world units.
+
+        Returns
+        -------
+        Samples
+
+        Raises
+        ------
+        InvalidArgument
+            For places that are not finite, or not of three numbers.
+        """
         from . import _functions
 
         return _functions.samples_of(self._core, points, self._asked(self.settings))
 
     def slice(self, normal="z", at=None, *, size=512):
-        """The field on a plane, as `ovoid.slice` gives it."""
+        """The field on a plane, as an array of values.
+
+        Parameters
+        ----------
+        normal, at, size
+            As of `ovoid.slice`.
+
+        Returns
+        -------
+        Slice
+        """
         from . import _functions
 
         return _functions.slice_of(self._core, self._asked(self.settings), normal, at, size)
 
     def histogram(self, *, log=False):
-        """How often values occur, as `ovoid.histogram` tells it."""
+        """How often values occur.
+
+        Parameters
+        ----------
+        log : bool
+            Bins between logarithms, of the values > 0.
+
+        Returns
+        -------
+        counts : numpy.ndarray of uint64, (n,)
+        edges : numpy.ndarray of float64, (n + 1,)
+        """
         from . import _functions
 
         return _functions.histogram_of(self._core, self._asked(self.settings), log)
+
+
+    def __repr__(self):
+        return f"<ovoid.Scene of {', '.join(self._files) if self._data is None else repr(self._data)}{_told(self.settings)}>"
+
+
+def _told(settings):
+    """Names of settings, for what stands for an object."""
+    return f" with {', '.join(settings)}" if settings else ""
 
 
 def _span_of(data, array):
@@ -133,6 +205,8 @@ class View:
 
     Attributes
     ----------
+    scene : Scene
+        What is looked at.
     settings : dict
         What `update` has set.
     """
@@ -143,7 +217,23 @@ class View:
         self.update(**settings)
 
     def update(self, **settings):
-        """Sets settings; None takes one away. Returns the view."""
+        """Sets settings.
+
+        Parameters
+        ----------
+        **settings
+            As `ovoid.render` takes them; None takes one away.
+
+        Returns
+        -------
+        View
+            This one.
+
+        Raises
+        ------
+        UnknownSetting
+            For names that there are not. Values are looked at when it draws.
+        """
         merged = {**self.settings, **settings}
         merged = {name: value for name, value in merged.items() if value is not None}
         self.scene._asked({**self.scene.settings, **merged})
@@ -151,7 +241,17 @@ class View:
         return self
 
     def render(self, **settings):
-        """The picture, with settings for it alone."""
+        """Draws a frame.
+
+        Parameters
+        ----------
+        **settings
+            For this picture alone, as `Scene.render` takes them.
+
+        Returns
+        -------
+        Picture
+        """
         return self.scene.render(**{**self.settings, **settings})
 
     def frames(self, **series):
@@ -165,6 +265,11 @@ class View:
         Yields
         ------
         Picture
+
+        Raises
+        ------
+        InvalidArgument
+            For settings that have not as many values each.
 
         Examples
         --------
@@ -194,6 +299,11 @@ class View:
         ------
         Picture
 
+        Raises
+        ------
+        InvalidArgument
+            For keys that are none, in words that name the key.
+
         Examples
         --------
         >>> import numpy, ovoid
@@ -214,6 +324,9 @@ class View:
     def _repr_png_(self):
         return self.render()._repr_png_()
 
+    def __repr__(self):
+        return f"<ovoid.View of {self.scene!r}{_told(self.settings)}>"
+
 
 def render(data=None, *, spacing=None, origin=None, direction=None, affine=None, space=None, state=None, progress=False, profile=False, **settings):
     """Draws data to a picture.
@@ -225,8 +338,8 @@ def render(data=None, *, spacing=None, origin=None, direction=None, affine=None,
         ``__array__`` or ``__dlpack__``, or ``shape``, ``dtype`` and ``__getitem__``, is taken as an array. A path is read by the
         library. Of other packages: arrays of xarray; meshes of meshio; images, grids, meshes and points of VTK and PyVista;
         DataFrames and yt's data, as `particles` takes them; yt's covering grids; images of nibabel and SimpleITK.
-    spacing : (x, y, z), optional
-        Distance of an array's samples along its axes, world units. 1 without it.
+    spacing : (x, y, z) or float, optional
+        Distance of an array's samples along its axes, world units; one number: along all of them. 1 without it.
     origin : (x, y, z), optional
         The place of the first sample, world units.
     direction : (3, 3) array_like, optional
@@ -244,7 +357,7 @@ def render(data=None, *, spacing=None, origin=None, direction=None, affine=None,
         Measures the stages, for `Picture.profile`.
     **settings
         The flags of ``ovoid render`` with underscores (`settings` tells them all), or PyVista's words for them: `cmap`, `clim`,
-        `opacity`, `background`, `window_size`, `cpos`, ...
+        `opacity`, `background`, `window_size`, `cpos`, ... `cmap` also takes a list of colours, and a colour map of matplotlib's.
 
     Returns
     -------
@@ -285,6 +398,15 @@ def animate(pictures, path, fps=25, *, camera_path=None, frames=None, **settings
     **settings
         With a camera path: settings of all pictures.
 
+    Raises
+    ------
+    InvalidArgument
+        For no pictures, of several sizes, or a path without the ending of a film.
+    Unsupported
+        Where ffmpeg is not installed, which is looked for first.
+    FileWrite
+        Where the film cannot be written.
+
     Examples
     --------
     >>> import numpy, ovoid
@@ -298,9 +420,12 @@ def animate(pictures, path, fps=25, *, camera_path=None, frames=None, **settings
         fps = float(fps)
     except (TypeError, ValueError, OverflowError):
         raise InvalidArgument(f"fps = {fps!r}: expected a number") from None
-    path = os.path.abspath(os.fspath(path))
+    path = os.path.abspath(path_of(path))
     if not path.endswith((".gif", ".mp4", ".webm")):
         raise InvalidArgument(f"'{path}': expected a film: .gif, .mp4 or .webm")
+    if not path.endswith(".gif") and shutil.which("ffmpeg") is None:  # else told when all is drawn
+        raise Unsupported(f"'{path}': such films are made by the program ffmpeg, which is not on PATH: install it (apt install ffmpeg), "
+                          "or write a .gif, which needs none")
     if camera_path is not None:
         pictures = _view_of(pictures, settings).along(camera_path, frames)
     elif frames is not None or settings:
@@ -326,7 +451,11 @@ def _each(pictures):
     """Pictures one after the other; an error for anything else."""
     if isinstance(pictures, Picture) or not hasattr(pictures, "__iter__"):
         raise InvalidArgument(f"pictures: is one {type(pictures).__name__}, expected several pictures, or a camera_path along which it is drawn")
+    size = None
     for number, picture in enumerate(pictures):
         if not isinstance(picture, Picture):
             raise InvalidArgument(f"pictures[{number}]: is {type(picture).__name__}, expected a Picture, which render() gives")
+        size = size or (picture.width, picture.height)
+        if size != (picture.width, picture.height):
+            raise InvalidArgument(f"pictures[{number}]: is {picture.width} x {picture.height}, expected {size[0]} x {size[1]}, as the first is")
         yield picture

@@ -25,6 +25,23 @@ _ALIASES = {
     "show_scalar_bar": "colorbar",
 }
 _BLENDINGS = {"composite": "composite", "maximum": "maximum", "minimum": "minimum", "average": "mean"}
+# What others call a setting that has no single word here.
+_OF_OTHERS = {
+    "vmin": "the range of the colours is clim=(LO, HI)",
+    "vmax": "the range of the colours is clim=(LO, HI)",
+    "figsize": "size=(WIDTH, HEIGHT) are pixels",
+    "dpi": "size=(WIDTH, HEIGHT) are pixels",
+    "width": "size=(WIDTH, HEIGHT) are pixels",
+    "height": "size=(WIDTH, HEIGHT) are pixels",
+    "alpha": "opacities are opacity=...",
+    "color": "colours are cmap=..., of isosurfaces iso=[(VALUE, COLOUR)], of surfaces beside the data add_color=...",
+    "threshold": "isosurfaces are mode=\"isosurface\", iso=VALUE",
+    "levels": "isosurfaces are mode=\"isosurface\", iso=VALUE",
+    "isosurface": "isosurfaces are mode=\"isosurface\", iso=VALUE",
+    "interactive": "ovoid.interact(data) has sliders, ovoid.view(data) is a window",
+    "notebook": "ovoid.interact(data) has sliders, ovoid.view(data) is a window",
+    "title": "the colour bar's is colorbar=\"TITLE\"",
+}
 # PyVista's planes that are seen from where one of the program's views is, with the same axis up.
 _CPOS = {"xy": "+z", "xz": "-y", "yz": "+x"}
 
@@ -47,6 +64,11 @@ def settings(command="render"):
     -------
     dict of str to str
         The sentence of the program's help for each name, with the form of the value in front.
+
+    Raises
+    ------
+    InvalidArgument
+        For another command.
 
     Examples
     --------
@@ -166,7 +188,7 @@ def _words_of(name, value, command):
         else:
             value = _label_table(value)
     if kind == _TOGGLE:
-        if not (isinstance(value, int) and value in (0, 1) or type(value).__name__ == "bool_"):  # numpy's
+        if not (isinstance(value, int) and value in (0, 1) or type(value).__name__ in ("bool", "bool_")):  # numpy's, of 2 and before
             raise InvalidArgument(f"{name} = {value!r}: expected True or False")
         if value:
             return [f"--{flag}"]
@@ -198,6 +220,9 @@ def _camera(cpos):
 def _named_opacities(name):
     """PyVista's opacities of a name, evenly spaced; the name itself if it is none of them."""
     found = re.fullmatch("(linear|sigmoid(?:_(?P<steepness>[0-9]{1,2}))?)(?P<reversed>_r)?", name)
+    if not found and re.match("[A-Za-z_]+", name):
+        raise InvalidArgument(f"opacity = {name!r}: expected numbers, (value, opacity) pairs, or linear or sigmoid_STEEPNESS, with _r "
+                              f"reversed{_core.did_you_mean(name, ['linear', 'sigmoid'])}")
     if not found:
         return name
     opacities = [0, 1]
@@ -209,9 +234,11 @@ def _named_opacities(name):
 
 
 def _opacities(opacity, span):
-    """PyVista's opacities, named or evenly spaced over `span`, two values or what returns them, as pairs of value and opacity."""
+    """PyVista's opacities, one, named or evenly spaced over `span`, two values or what returns them, as pairs of value and opacity."""
     if isinstance(opacity, str):
         opacity = _named_opacities(opacity)
+    elif isinstance(opacity, numbers.Real) and not isinstance(opacity, bool):
+        opacity = [opacity, opacity]
     if not _is_sequence(opacity):
         return opacity
     opacity = list(opacity)
@@ -228,7 +255,43 @@ def _opacities(opacity, span):
         raise InvalidArgument(f"opacity = {opacity!r}, over {ends!r}: expected numbers from 0 to 1 over two values") from None
 
 
+def _color(value):
+    """A colour's red, green and blue as text: of a name, or of three numbers, the fourth of which may be its opacity."""
+    if isinstance(value, str):
+        text = _core.color_text(value)
+        return [f"{int(text[i:i + 2], 16) / 255:.4g}" for i in (1, 3, 5)]
+    try:
+        parts = [float(part) for part in value][:4]
+    except (TypeError, ValueError, OverflowError):
+        parts = []
+    if len(parts) < 3 or not all(0 <= part <= 1 for part in parts):
+        raise InvalidArgument(f"cmap: {value!r}: expected a colour: three numbers from 0 to 1, or text")
+    return [f"{part:.4g}" for part in parts[:3]]
+
+
+_PIECES = 64  # of a colour map of matplotlib's; between them colours go straight, within 1/255 of the smooth ones
+
+
+def colors(cmap):
+    """A colour map as the program takes it: its name, or colours evenly spaced, of a list or of matplotlib's."""
+    if callable(cmap) and hasattr(cmap, "name") and hasattr(cmap, "N"):
+        name = str(cmap.name)
+        if name.removesuffix("_r") in _core.color_map_names():
+            return name
+        cmap = [cmap(i / _PIECES) for i in range(_PIECES + 1)]
+    if not _is_sequence(cmap):
+        return cmap
+    steps = list(cmap)
+    if not any(_is_sequence(color) or isinstance(color, str) for color in steps):
+        return ",".join(_scalar(number) for number in steps)  # value, red, green, blue, ...
+    if len(steps) < 2:
+        raise InvalidArgument(f"cmap = {cmap!r}: expected two colours or more")
+    return ",".join(part for i, color in enumerate(steps) for part in (f"{i / (len(steps) - 1):.6g}", *_color(color)))
+
+
 def _unknown(name, command):
+    if command == "render" and name in _OF_OTHERS:
+        return UnknownSetting(f"{name}: unknown setting; {_OF_OTHERS[name]}")
     of_render = [*_ALIASES, "cpos", "blending", "spacing", "origin", "direction", "affine", "space", "state"]
     known = [*table(command), *(of_render if command == "render" else [])]
     return UnknownSetting(f"{name}: unknown setting{_core.did_you_mean(name, known)}")
@@ -262,6 +325,10 @@ def canonical(given, span=None, command="render"):
                 choose(name, f"no_{key}", True)
         else:
             raise _unknown(name, command)
+    if "colormap" in chosen:
+        chosen["colormap"] = colors(chosen["colormap"])
+    if isinstance(chosen.get("spacing"), numbers.Real) and not isinstance(chosen["spacing"], bool):
+        chosen["spacing"] = (chosen["spacing"],) * 3
     if "opacity" in chosen:
         ends = chosen["range"] if "range" in chosen else (lambda: span(chosen.get("array")) if span else None)
         chosen["opacity"] = _opacities(chosen["opacity"], ends)
@@ -270,7 +337,13 @@ def canonical(given, span=None, command="render"):
 
 def words(chosen, command="render"):
     """Canonical settings as words of a command line."""
-    return [word for name, value in chosen.items() for word in _words_of(name, value, command)]
+    found = []
+    for name, value in chosen.items():
+        of_name = _words_of(name, value, command)
+        if any("\0" in word for word in of_name):  # where a word would end without a word
+            raise InvalidArgument(f"{name} = {value!r}: holds a NUL")
+        found += of_name
+    return found
 
 
 def words_for(command, given):

@@ -190,3 +190,44 @@ def test_a_row_of_samples_that_lies_askew():
     settings = {"spacing": (1, 9, 9), "direction": direction, "size": (9, 7), "threads": 1}
     drawn, expected = (ovoid.render(array, **settings, backend=backend).numpy().astype(int) for backend in ("cpu", "reference"))
     assert abs(drawn - expected).max() <= 1
+
+
+def test_what_is_read_has_the_shape_that_was_told(array):
+    class Liar:
+        shape, dtype = (20, 24, 28), array.dtype
+
+        def __getitem__(self, block):
+            return array[1:]
+
+    with pytest.raises(ovoid.InvalidArgument, match=r"has the shape \(20, 24, 28\), but what is read of it \(19, 24, 28\)"):
+        ovoid.render(Liar(), **SMALL)
+
+
+def test_masks_of_what_is_read_are_kept(array):
+    class Masked:
+        shape, dtype = array.shape, array.dtype
+
+        def __getitem__(self, block):
+            return np.ma.masked_greater(array, 100)[block]
+
+    assert (pixels(Masked()) == pixels(np.ma.masked_greater(array, 100))).all()
+
+
+def test_data_are_arrays(array):
+    """The only one there is, or one by its name, without a copy."""
+    data = ovoid.lattice(array)
+    assert np.shares_memory(data.numpy(), array) and np.shares_memory(np.asarray(data), array)
+    assert np.array(data, dtype="f4").dtype == np.float32 and not np.shares_memory(np.array(data), array)
+    cloud = ovoid.particles(np.eye(3), {"a": np.arange(3), "b": np.arange(6).reshape(3, 2)})
+    assert cloud.numpy("b").shape == (3, 2) and repr(cloud) == "<ovoid.Data particles 'particles', 3 points: a, b>"
+    for given, words in ((None, "array = None: the data have 'a', 'b'"), ("c", "array = 'c': the data have 'a', 'b'")):
+        with pytest.raises(ovoid.InvalidArgument, match=words):
+            cloud.numpy(given)
+
+
+def test_scenes_and_views_tell_what_they_are_of(tmp_path, array):
+    scene = ovoid.Scene(array, cmap="magma")
+    assert repr(scene) == "<ovoid.Scene of <ovoid.Data lattice 'array', 28 x 24 x 20: values> with cmap>"
+    assert repr(scene.view(azimuth=3)) == f"<ovoid.View of {scene!r} with azimuth>"
+    ovoid.write(tmp_path / "a.nrrd", array)
+    assert repr(ovoid.Scene(tmp_path / "a.nrrd")) == f"<ovoid.Scene of {tmp_path}/a.nrrd>"

@@ -212,7 +212,7 @@ def test_a_scene_keeps_what_stays(array, labels):
 
 
 @pytest.mark.parametrize("settings, words", [
-    ({"labels": np.zeros((2, 3, 4), "u1")}, r"labels: has 4 x 3 x 2 samples, the data 28 x 24 x 20: expected as many, or ovoid\.lattice"),
+    ({"labels": np.zeros((2, 3, 4), "u1")}, r"labels: has the shape \(2, 3, 4\), the data \(20, 24, 28\): expected the same, or ovoid\.lattice"),
     ({"labels": np.full((20, 24, 28), 0.5)}, "labels"),
     ({"labels": tetrahedron(point_data={"heat": np.arange(4.0)})}, "--labels: is for lattices"),
     ({"over": tetrahedron(point_data={"heat": np.arange(4.0)})}, "--over: is for lattices"),

@@ -4,6 +4,7 @@ import subprocess
 
 import numpy as np
 import ovoid
+import ovoid._settings
 import pytest
 from conftest import PROGRAM, SMALL, bumps
 
@@ -21,6 +22,8 @@ from conftest import PROGRAM, SMALL, bumps
     ([[[1, 2], [3]]], "inhomogeneous|sequence|object"),
     (np.full((3, 3, 3), np.nan), "none of its 27 samples is finite"),
     (object(), "holds object, expected numbers"),
+    ({"heat": np.zeros((3, 3, 3))}, "is a dict of 'heat', expected an array, such as one of these"),
+    (np.zeros((4, 3)), r"has the shape \(4, 3\), which places x, y, z have: expected ovoid.particles\(array\)"),
     (None, "none given"),
 ])
 def test_arrays(data, words):
@@ -30,9 +33,11 @@ def test_arrays(data, words):
 
 
 @pytest.mark.parametrize("placement, words", [
-    ({"spacing": (-1, 1, 1)}, "expected three numbers > 0"),
-    ({"spacing": (1, 1)}, "expected three numbers > 0"),
-    ({"spacing": "wide"}, "expected three numbers > 0"),
+    ({"spacing": (-1, 1, 1)}, "expected a number > 0, or three along x, y, z"),
+    ({"spacing": (1, 1)}, "expected a number > 0, or three along x, y, z"),
+    ({"spacing": 0}, "spacing = 0: expected a number > 0"),
+    ({"spacing": True}, "spacing = True: expected a number > 0"),
+    ({"spacing": "wide"}, "expected a number > 0, or three along x, y, z"),
     ({"origin": (np.nan, 0, 0)}, "origin"),
     ({"direction": np.zeros((3, 3))}, "columns are the axes"),
     ({"direction": [1, 2]}, "columns are the axes"),
@@ -46,6 +51,13 @@ def test_placement(placement, words):
     ({"colormp": "magma"}, "colormp: unknown setting; did you mean colormap?"),
     ({"windowsize": (3, 3)}, "did you mean window_size?"),
     ({"output": "x.png"}, "output: unknown setting"),
+    ({"vmax": 3}, "the range of the colours is clim="),
+    ({"figsize": (6, 4)}, r"size=\(WIDTH, HEIGHT\) are pixels"),
+    ({"cmap": ["red"]}, "expected two colours or more"),
+    ({"cmap": ["red", "reddish"]}, "'reddish': expected a colour"),
+    ({"cmap": [(0, 0, 0), (0, 2, 0)]}, r"\(0, 2, 0\): expected a colour"),
+    ({"opacity": "sigmod"}, "opacity = 'sigmod': expected numbers, .*did you mean sigmoid?"),
+    ({"opacity": 1.5}, "OPACITY in .0, 1."),
     ({"cmap": "magmma"}, "did you mean magma?"),
     ({"size": (0, 5)}, "--size '0x5'"),
     ({"size": 5}, "--size '5'"),
@@ -82,6 +94,51 @@ def test_the_words_are_the_programs(tmp_path):
         with pytest.raises(ovoid.Error) as caught:
             ovoid.render(path, **settings)
         assert told.returncode != 0 and str(caught.value) in told.stderr
+
+
+def test_other_packages_words_are_no_settings_here():
+    """Else the hint hides a setting."""
+    assert not set(ovoid._settings._OF_OTHERS) & {*ovoid.settings(), *ovoid._settings._ALIASES}
+
+
+def test_an_empty_picture_says_why(caplog):
+    """As a warning, which Python shows without any settings for logging; other notes are information."""
+    ovoid.render(bumps(), clim=(300, 400), **SMALL)
+    (record,) = [record for record in caplog.records if record.levelname == "WARNING"]
+    assert record.name == "ovoid" and record.getMessage().startswith("nothing shows: the data's values are 0 to ")
+    caplog.clear()
+    ovoid.render(bumps(), **SMALL)
+    assert not caplog.records
+
+
+def test_names_that_are_not_there_suggest_others():
+    with pytest.raises(AttributeError) as caught:
+        ovoid.rendr
+    assert caught.value.name == "rendr" and caught.value.obj is ovoid  # of which Python makes "Did you mean"
+
+
+def test_what_is_no_path(tmp_path):
+    """Without the whole array in the message."""
+    for call, words in ((lambda: ovoid.write(bumps(), tmp_path / "a.nrrd"), "path: is ndarray, expected the name of a file"),
+                        (lambda: ovoid.read([bumps(), bumps()]), "path: is a list, expected the name of a file"),
+                        (lambda: ovoid.render("a\0.nrrd"), r"path = 'a\x00.nrrd': holds a NUL"),
+                        (lambda: ovoid.render(bumps(), **SMALL).save("a\0.png"), "path = "),
+                        (lambda: ovoid.write("a\0.nrrd", bumps()), "path = "),
+                        (lambda: ovoid.render(bumps(), tf="a\0.json"), r"tf = 'a\x00.json': holds a NUL")):
+        with pytest.raises(ovoid.InvalidArgument) as caught:
+            call()
+        assert str(caught.value).startswith(words) and len(str(caught.value)) < 100
+
+
+def test_films_are_refused_before_they_are_drawn(tmp_path, monkeypatch):
+    drawn = []
+    frames = (drawn.append(1) or ovoid.render(bumps(), size=size) for size in ((8, 8), (8, 9)))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(ovoid.Unsupported, match="ffmpeg, which is not on PATH"):
+        ovoid.animate(frames, tmp_path / "a.mp4")
+    assert not drawn
+    with pytest.raises(ovoid.InvalidArgument, match=r"pictures\[1\]: is 8 x 9, expected 8 x 8"):
+        ovoid.animate(frames, tmp_path / "a.gif")
 
 
 def test_files(tmp_path):

@@ -223,6 +223,24 @@ def test_what_cannot_be_drawn_is_told_beside_the_picture(interact, array):
     assert settled(widget) != shown and widget._message.value == ""
 
 
+def test_an_empty_picture_says_why(interact, array):
+    widget = interact(array, clim=(300, 400))
+    widget.controls["azimuth"].value = 30.0
+    settled(widget)
+    assert widget._message.value.startswith("nothing shows: ")
+    widget.controls["range"].value = (0.0, 200.0)
+    settled(widget)
+    assert widget._message.value == ""
+
+
+def test_colours_without_a_name(interact, array):
+    for given in (["black", (1, 0.5, 0)], np.array([[0, 0, 0], [1, 0.5, 0]])):
+        widget = interact(array, cmap=given)
+        assert widget.controls["colormap"].options[0][0] == "as given"
+        widget.controls["range"].value = (10.0, 100.0)
+        assert settled(widget) == png(ovoid.render(array, **{**widget.settings, "colormap": given}))
+
+
 def test_steps_of_series(interact, tmp_path):
     paths = [tmp_path / f"a_{i}.nrrd" for i in range(3)]
     for i, path in enumerate(paths):

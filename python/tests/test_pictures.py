@@ -61,6 +61,47 @@ def test_opacities_spread_over_the_values(tmp_path, array):
         ovoid.render(path, opacity=[0, 1])
 
 
+def test_one_opacity_for_all_values(array):
+    lo, hi = int(array.min()), int(array.max())
+    assert (ovoid.render(array, opacity=0.3, **SMALL).numpy() == ovoid.render(array, opacity=[(lo, 0.3), (hi, 0.3)], **SMALL).numpy()).all()
+
+
+@pytest.mark.parametrize("given", [["black", "#ff0000", (1, 1, 0)], np.array([[0, 0, 0, 0.5], [1, 0, 0, 1], [1, 1, 0, 1]])])
+@pytest.mark.parametrize("settings", [{}, {"clim": (20, 90)}])
+def test_colours_spread_over_the_range(tmp_path, array, given, settings):
+    """Evenly, as those of a map that has a name: over clim, or what shows without it. Of files, too, whose values are not known here."""
+    picture = ovoid.render(array, cmap=given, **settings, **SMALL)
+    values = np.linspace(*picture.look["RGBPoints"][::len(picture.look["RGBPoints"]) - 4], 3)
+    assert picture.look["RGBPoints"] == pytest.approx([*[values[0], 0, 0, 0], *[values[1], 1, 0, 0], *[values[2], 1, 1, 0]])
+    named = ovoid.render(array, cmap="magma", **settings, **SMALL).look["RGBPoints"]
+    assert (values[0], values[2]) == pytest.approx((named[0], named[-4]))
+    ovoid.write(tmp_path / "a.nrrd", array)
+    assert png(ovoid.render(tmp_path / "a.nrrd", cmap=given, **settings, **SMALL)) == png(picture)
+
+
+def test_colour_maps_of_matplotlib(array):
+    """By their names where there is such a map here, else by their colours."""
+    class Map:
+        N = 256
+
+        def __init__(self, name):
+            self.name = name
+
+        def __call__(self, at):
+            return at, at * at, 1 - at, 1.0
+
+    assert ovoid.render(array, cmap=Map("magma_r"), **SMALL).state["flags"]["colormap"] == "magma_r"
+    points = np.reshape(ovoid.render(array, cmap=Map("other"), clim=(0, 1), **SMALL).look["RGBPoints"], (-1, 4))
+    assert len(points) > 30 and abs(points[:, 1:] - np.array([Map("")(at)[:3] for at in points[:, 0]])).max() < 1e-3
+
+
+def test_one_spacing_for_all_axes(tmp_path, array):
+    expected = ovoid.render(array, spacing=(0.5, 0.5, 0.5), **SMALL)
+    assert png(ovoid.render(array, spacing=np.float32(0.5), **SMALL)) == png(expected)
+    array.tofile(tmp_path / "a.raw")
+    assert png(ovoid.render(tmp_path / "a.raw", dims=(28, 24, 20), type="uint8", spacing=0.5, **SMALL)) == png(expected)
+
+
 def test_camera_of_three_points(array):
     first = ovoid.render(array, **SMALL)
     camera = first.camera

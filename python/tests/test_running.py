@@ -2,6 +2,7 @@
 """Threads, Ctrl-C, forks, memory over many pictures, what an import costs, and the examples of the documentation."""
 import doctest
 import importlib
+import inspect
 import os
 import re
 import resource
@@ -162,6 +163,14 @@ def test_import_brings_neither_numpy_nor_others():
     assert done.stdout.strip() == "[]"
 
 
+def test_numpys_sizes_are_not_asked_of_pybind11():
+    """Before 2.12 it finds 0 with numpy 2, which is not in the distribution: every array was refused. So these words are looked for."""
+    folder = os.path.join(ROOT, "python", "core")
+    for name in os.listdir(folder):
+        with open(os.path.join(folder, name), encoding="utf-8") as file:
+            assert not re.search(r"[.>](itemsize|nbytes)\(\)", file.read()), name
+
+
 def test_every_setting_is_told():
     told = ovoid.settings()
     help_text = subprocess.run([os.environ["OVOID_PROGRAM"], "render", "--list-flags"], capture_output=True, text=True, check=True).stdout
@@ -175,6 +184,29 @@ def test_examples_of_docstrings(tmp_path, monkeypatch, module):
     monkeypatch.chdir(tmp_path)
     found = doctest.testmod(importlib.import_module(f"ovoid.{module}"))
     assert found.attempted > 0 and found.failed == 0
+
+
+def _public():
+    """Every function and class that users call, and their methods, by name."""
+    for name in ovoid.__all__:
+        thing = getattr(ovoid, name)
+        if inspect.isclass(thing) and not issubclass(thing, Exception):
+            yield from ((f"{name}.{method}", value) for method, value in vars(thing).items() if inspect.isfunction(value) and not method.startswith("_"))
+        elif inspect.isfunction(thing):
+            yield name, thing
+
+
+@pytest.mark.parametrize("name, function", _public())
+def test_docstrings_are_complete(name, function):
+    """In numpydoc's sections: every argument, what comes back, and of functions what they raise."""
+    text = inspect.getdoc(function)
+    sections = dict(re.findall(r"(?ms)^(\w+)\n-+\n(.*?)(?=^\w+\n-+\n|\Z)", text))
+    told = {word.strip().lstrip("*") for line in re.findall(r"(?m)^(\S.*)$", sections.get("Parameters", "")) for word in line.split(" : ")[0].split(",")}
+    assert told == set(inspect.signature(function).parameters) - {"self"}
+    assert len(text.splitlines()[0]) > 10 and text.splitlines()[0].endswith(".")
+    makes_nothing = name in ("animate", "write", "Picture.save", "Interactive.close")
+    assert makes_nothing or {"Returns", "Yields"} & set(sections)
+    assert "." in name or "Raises" in sections
 
 
 def test_examples_of_the_page(tmp_path, monkeypatch):

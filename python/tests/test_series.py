@@ -148,7 +148,7 @@ def test_what_is_told(tmp_path):
     series, paths = in_both(tmp_path, "lattice")
     told, of_files = ovoid.info(series), ovoid.info(paths)
     assert told["steps"] == of_files["steps"] == 4 and told["times"] == [] and series.times is None
-    assert repr(series) == "<ovoid.Data lattice 'array': values, 4 steps>"
+    assert repr(series) == "<ovoid.Data lattice 'array', 28 x 24 x 20: values, 4 steps>"
     assert [len(series.steps), len(series.steps[0].steps)] == [4, 1]
     timed = ovoid.series([moved(step) for step in range(4)], times=[0, 1, 2, 4.5], time_unit="ms")
     assert ovoid.info(timed)["time_unit"] == "ms" and timed.times.tolist() == [0, 1, 2, 4.5]

@@ -34,14 +34,11 @@ void KernelGroups::fill(std::size_t g, std::span<const double> centers,
     const double* const at = centers.data() + std::size_t{3} * order_[first + i];
     return Vec3(at[0], at[1], at[2]);
   };
-  for (std::size_t i = 0; i < group.count; ++i) center_boxes_[g].extend(center(i));
-  group.origin = center_boxes_[g].center();
   for (std::size_t i = 0; i < group.count; ++i) {
     const float* const l = shapes.data() + std::size_t{6} * order_[first + i];
     const Vec3 at = center(i);
-    for (std::size_t a = 0; a < 3; ++a)
-      group.center[a][i] =
-          static_cast<float>(at[static_cast<int>(a)] - group.origin[static_cast<int>(a)]);
+    center_boxes_[g].extend(at);
+    for (std::size_t a = 0; a < 3; ++a) group.center[a][i] = at[static_cast<int>(a)];
     group.per_diagonal[0][i] = 1 / l[0];
     group.per_diagonal[1][i] = 1 / l[2];
     group.per_diagonal[2][i] = 1 / l[5];
@@ -68,12 +65,14 @@ void KernelGroups::find_below(std::size_t level, std::size_t node, const Bounds3
 
 void KernelGroups::find_squares(std::size_t g, const Vec3& place, Squares& squares) const {
   const Group& group = groups_[g];
-  const Eigen::Vector3f at = (place - group.origin).cast<float>();
+  const double x = place[0], y = place[1], z = place[2];
   for (std::size_t i = 0; i < kGroup; ++i) {
-    const float a = (at[0] - group.center[0][i]) * group.per_diagonal[0][i];
-    const float b = (at[1] - group.center[1][i] - group.below[0][i] * a) * group.per_diagonal[1][i];
-    const float c = (at[2] - group.center[2][i] - group.below[1][i] * a - group.below[2][i] * b) *
-                    group.per_diagonal[2][i];
+    const auto dx = static_cast<float>(x - group.center[0][i]);
+    const auto dy = static_cast<float>(y - group.center[1][i]);
+    const auto dz = static_cast<float>(z - group.center[2][i]);
+    const float a = dx * group.per_diagonal[0][i];
+    const float b = (dy - group.below[0][i] * a) * group.per_diagonal[1][i];
+    const float c = (dz - group.below[1][i] * a - group.below[2][i] * b) * group.per_diagonal[2][i];
     squares[i] = a * a + b * b + c * c;
   }
 }

@@ -15,9 +15,10 @@ namespace ovoid::model {
 
 // Kernels lie in groups of kGroup along a Morton curve. A tree over the boxes of the groups'
 // supports finds the groups whose kernels may reach a box of places; against each of those a place
-// is tested in one loop over plain floats, offsets from the group's own origin, that the compiler
-// turns into SIMD code. Only the few kernels that do reach a place cost an exponential. Immutable;
-// any number of threads may ask at once.
+// is tested in one loop that the compiler turns into SIMD code. Only the few kernels that do reach
+// a place cost an exponential. What a kernel is at a place does not depend on its group, so that
+// processes which group other kernels find the same. Immutable; any number of threads may ask at
+// once.
 class KernelGroups {
  public:
   static constexpr std::size_t kGroup = 32;
@@ -56,9 +57,8 @@ class KernelGroups {
   static constexpr std::size_t kFanOut = 8;
 
   struct Group {
-    Vec3 origin = Vec3::Zero();
     std::size_t count = 0;
-    std::array<Squares, 3> center{};
+    std::array<std::array<double, kGroup>, 3> center{};
     std::array<Squares, 3> per_diagonal{};  // reciprocals of the factor's diagonal
     std::array<Squares, 3> below{};         // what is below it: yx, zx, zy
   };

@@ -59,8 +59,7 @@ std::string moving_mesh(const Folder& folder) {
 Words moving_blob(const Folder& folder, const std::vector<int>& places) {
   Words steps;
   for (const int place : places) {
-    std::string text =
-        "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 64 16 16\nencoding: ascii\n\n";
+    std::string text = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 64 16 16\nencoding: ascii\n\n";
     for (int i = 0; i < 64 * 16 * 16; ++i) {
       const double distance = std::hypot(i % 64 - place, i / 64 % 16 - 8, i / 1024 - 8);
       text += std::to_string(static_cast<int>(200 * std::clamp(4 - distance, 0.0, 1.0))) + " ";
@@ -154,7 +153,8 @@ TEST(Trails, OfLatticesFillThePictureFromEndToEnd) {
   const Words line = moving_blob(folder, {10, 20, 30, 40, 50});
   const Words there_and_back = moving_blob(folder, {10, 25, 40, 54, 40, 25, 10});
   for (const Words& data : {line, there_and_back}) {
-    for (const Words& how : {Words{}, Words{"--mode", "isosurface", "--iso", "40"}}) {
+    for (const Words& how :
+         {Words{"--opacity", "0:0,20:0.5"}, Words{"--mode", "isosurface", "--iso", "20"}}) {
       Words words = data;
       words.insert(words.end(), {"--step", std::to_string(data.size() - 1), "--motion-blur", "9"});
       words.insert(words.end(), how.begin(), how.end());

@@ -356,9 +356,11 @@ DataArray zeros_at_nodes(const Dataset& dataset) {
   return array;
 }
 
+// What is asked for has to be there. Particles keep what says how large and heavy they are.
 void leave_wanted_array(Dataset& dataset, const std::string& wanted) {
   if (wanted.empty()) return;
   DataArray array = dataset.array(wanted);
+  if (dataset.kind == DatasetKind::kParticles) return;
   dataset.arrays.clear();
   dataset.arrays.push_back(std::move(array));
 }
@@ -383,10 +385,7 @@ Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOp
                                           dataset.source, merger.num_merged()));
     }
   }
-  const bool are_points = (whole.is_surface && !options.faces) ||
-                          (!whole.cells.is_structured() &&
-                           std::all_of(whole.cells.types.begin(), whole.cells.types.end(),
-                                       [](CellType type) { return type == CellType::kVertex; }));
+  const bool are_points = (whole.is_surface && !options.faces) || is_point_set(whole);
   dataset.kind = are_points ? DatasetKind::kParticles : DatasetKind::kMesh;
   if (are_points) make_particles(dataset, whole);
   dataset.positions = std::move(whole.positions);

@@ -46,6 +46,9 @@ void check_mesh(const std::string& where, const MeshPart& part);
 // The nodes a cell of this type needs; 0 if it may have any number.
 int num_corners(CellType type) noexcept;
 
+// Nothing but vertices, or nothing between its nodes.
+bool is_point_set(const MeshPart& part);
+
 // Structured cells become hexahedra, quads, lines or a vertex, by the axes longer than one node.
 void make_explicit(MeshPart& part);
 
@@ -59,7 +62,8 @@ std::int64_t drop_ghosts(MeshPart& part);
 // parts are passed over; the others go through check_mesh and drop_ghosts. `dataset` has source,
 // format and notes. With options.block the parts of that block alone; else all, if they share an
 // array, or the largest block. Nodes of different parts at exactly the same place become one.
-// Throws Error(kInvalidArgument) for an unknown block, Error(kFileFormat) if nothing, or no array,
+// Of a mesh options.array alone is kept, of particles all arrays. Throws Error(kInvalidArgument)
+// for an unknown block or array, Error(kFileFormat) if nothing, or no array,
 // is left.
 Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOptions& options);
 

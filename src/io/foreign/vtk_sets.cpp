@@ -117,15 +117,15 @@ Dataset read_series(const ByteSource& source, const ReadOptions& options) {
   std::vector<double> times;
   times.reserve(steps.size());
   for (const auto& [time, files] : steps) times.push_back(time);
-  return read_mesh_step(
+  Dataset dataset = read_mesh_step(
       source.name(), static_cast<std::int64_t>(times.size()), times, options,
       [&](std::int64_t step) {
         const auto& files = steps.at(times[static_cast<std::size_t>(step)]);
         if (files.size() > 1) {
-          Dataset dataset = begin_dataset(source, "Collection");
-          SetReader reader(options, dataset.notes);
+          Dataset whole = begin_dataset(source, "Collection");
+          SetReader reader(options, whole.notes);
           for (const VtkSetFile& file : files) reader.add(file.path, "", 1);
-          return mesh_of_parts(std::move(dataset), std::move(reader.parts), options);
+          return mesh_of_parts(std::move(whole), std::move(reader.parts), options);
         }
         ReadOptions own = options;
         own.step.reset();
@@ -137,6 +137,10 @@ Dataset read_series(const ByteSource& source, const ReadOptions& options) {
         }
         return read_vtk(*file, own);
       });
+  const VtkSeriesPlace place = vtk_series_place(source);
+  dataset.time_unit = place.time_unit;
+  dataset.space = place.space;
+  return dataset;
 }
 
 Dataset read_vtk_set(const ByteSource& source, const std::string& xml_type,

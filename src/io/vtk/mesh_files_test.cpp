@@ -220,7 +220,26 @@ TEST_F(MeshFiles, TimeSeriesBeginWhereTheyVary) {
   ReadOptions options;
   options.step = 0;
   EXPECT_EQ(read_dataset({series}, options).step, 0);
+  EXPECT_EQ(mesh.time_unit, "");
+  EXPECT_EQ(mesh.space, Space::kNone);
   EXPECT_EQ(read_dataset({folder.file("a.vtu"), folder.file("b.vtu")}).step, 1);
+}
+
+// What ParaView's files have no words for stands beside its own.
+TEST_F(MeshFiles, TimeSeriesMaySayTheirUnitAndSpace) {
+  folder.write("a.vtu", kVtu);
+  const auto series = [&](const std::string& words) {
+    return folder.write("a.pvd", R"(<VTKFile type="Collection"><Collection )" + words +
+                                     R"(><DataSet timestep="1" file="a.vtu"/></Collection>
+</VTKFile>)");
+  };
+  const Dataset mesh = read_dataset({series(R"(TimeUnit="&lt;ms&gt;" Space="RAS")")});
+  EXPECT_EQ(mesh.time_unit, "<ms>");
+  EXPECT_EQ(mesh.space, Space::kRas);
+  EXPECT_NE(error_of([&] {
+              read_dataset({series(R"(Space="MNI")")});
+            }).find("Space=\"MNI\": expected none, LPS or RAS"),
+            std::string::npos);
 }
 
 TEST_F(MeshFiles, LegacyMeshesOfEveryKind) {

@@ -347,7 +347,8 @@ Camera framed(Camera camera, const Field& field, const Look& look, const Framing
     const std::vector<Region> trail = regions_seen(of_trail.take(), kUnseen);
     regions.insert(regions.end(), trail.begin(), trail.end());
   }
-  return regions.empty() ? camera : fitted(camera, regions, framing, axes, middle);
+  if (regions.empty()) return camera;
+  return fitted(std::move(camera), regions, framing, axes, middle);
 }
 
 namespace {

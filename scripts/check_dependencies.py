@@ -19,7 +19,7 @@ PUBLIC = {
     "fit.h": "fit", "simplify.h": "fit",
     "solid.h": "solid",
     "camera.h": "view", "transfer_function.h": "view", "transfer_function_2d.h": "view", "look.h": "view", "image.h": "view",
-    "render_options.h": "view", "depth_limits.h": "view", "space_part.h": "view", "deep_image.h": "view", "label_style.h": "view", "crop.h": "view", "framing.h": "view", "further_volumes.h": "view", "channels.h": "view",
+    "render_options.h": "view", "depth_limits.h": "view", "space_part.h": "view", "deep_image.h": "view", "label_style.h": "view", "crop.h": "view", "framing.h": "view", "trail.h": "view", "further_volumes.h": "view", "channels.h": "view",
     "annotate.h": "annotate",
     "io.h": "io", "encode.h": "io",
     "lattice_file.h": "io",

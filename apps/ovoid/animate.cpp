@@ -317,7 +317,13 @@ Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& fl
   seen_subject.shows_all = drawing.points.size.has_value();
   seen_subject.is_for_turning = true;
   CameraFlags camera = drawing.camera;
+  std::optional<Trail> trail;
   if (seen.num_steps > 1) camera.fit = Fit::kBox;  // what shows of one may grow in the next
+  if (chosen.is_only && drawing.trail.length) {
+    trail = make_trail(drawing.trail, series, chosen.time, drawing.model, drawing.run.threads,
+                       {field, scenery.look, scenery.values, animate->data.memory_limit}, session);
+    seen_subject.trail = &*trail;
+  }
   scenery.start = start_camera(camera, seen_subject);
   scenery.camera = make_camera(camera, seen_subject);
   return scenery;

@@ -35,7 +35,6 @@ struct Subject {
   bool has_points = false;                 // may be drawn as balls: particles and kernels
   Scenery scenery;                         // of --add and --slice
   std::shared_ptr<const std::vector<FurtherVolume>> further;  // of --over; null: none
-  std::vector<Field> before;  // of --motion-blur of what is no lattice: where its trail begins
 };
 
 // Of a mesh or boxes, or of the mesh of --within, with the values of what was modelled. Null if

@@ -77,9 +77,9 @@ Camera make_camera(const CameraFlags& flags, const CameraSubject& subject) {
   turn(camera, flags);
   if (flags.file.empty() && flags.fit == Fit::kVisible) {
     const Framing framing{subject.aspect,      Framing().fill,  subject.is_for_turning,
-                          subject.clip_planes, subject.further, subject.before};
+                          subject.clip_planes, subject.further, subject.trail};
     const Look look = framed_look(subject);
-    camera = subject.surface != nullptr && subject.before.empty()
+    camera = subject.surface != nullptr && subject.trail == nullptr
                  ? framed(camera, *subject.surface, framing)
                  : framed(camera, subject.field, look, framing);
   }

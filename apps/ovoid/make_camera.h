@@ -12,6 +12,7 @@
 #include "ovoid/look.h"
 #include "ovoid/render_options.h"
 #include "ovoid/surface.h"
+#include "ovoid/trail.h"
 #include "settings.h"
 
 namespace ovoid::cli {
@@ -30,7 +31,7 @@ struct CameraSubject {
   std::shared_ptr<const std::vector<FurtherVolume>> further{};  // drawn with the field
   // Of the field, which count where the look shows nothing of it; null: none.
   const std::vector<FieldSlice>* slices = nullptr;
-  std::vector<Field> before{};  // where the field has been, which is to be seen, too
+  const Trail* trail = nullptr;  // drawn with the field; null: none
 };
 
 // The default view of the subject, or the file's camera, with the flags applied. Throws Error.

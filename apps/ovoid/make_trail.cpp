@@ -147,16 +147,11 @@ Trail make_trail(const TrailFlags& flags, const Series& series, double time,
   return trail;
 }
 
-std::vector<Field> before_trail(const DataFlags& data, const DrawingFlags& drawing,
-                                const Modelled& now, std::int64_t step, Session& session) {
-  if (!drawing.trail.length || now.field.kernels() == nullptr) return {};
-  const Series series = open_shown_series(data, session);
-  const double time = time_of_trail(data, series, step);
-  const Dataset dataset = data_at(
-      series, std::max(time - *drawing.trail.length, series.times().front()), drawing, session);
-  const ModelFlags model = model_of(dataset, drawing, now);
-  const Quiet quiet(session);
-  return {make_field(dataset, model, drawing.run.threads, session).field};
+Bounds3 bounds_of(const Trail& trail) {
+  if (trail.moments.empty()) return trail.field.world_bounds();
+  Bounds3 bounds;
+  for (const KernelMoment& moment : trail.moments) bounds.extend(moment.field.world_bounds());
+  return bounds;
 }
 
 std::optional<Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing,

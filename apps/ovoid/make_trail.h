@@ -28,10 +28,8 @@ Trail make_trail(const TrailFlags& flags, const Series& series, double time,
                  const ModelFlags& model, int threads, const TrailSubject& subject,
                  Session& session);
 
-// Where the trail of what is no lattice begins, which is to be in the picture; of others nothing.
-// `now`: of a step. Throws Error.
-std::vector<Field> before_trail(const DataFlags& data, const DrawingFlags& drawing,
-                                const Modelled& now, std::int64_t step, Session& session);
+// All of its moments.
+Bounds3 bounds_of(const Trail& trail);
 
 // What --motion-blur asks for of what was modelled of a step; none: it is not given. Throws Error.
 std::optional<Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing,

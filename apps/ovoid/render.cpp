@@ -322,17 +322,19 @@ void run_render(const Words& words, Session& session) {
   Dataset dataset = load(render.data, session);
   profile.load_ms = loading.ms();
   const Stopwatch modelling;
-  Subject subject = make_subject(dataset, flags, &drawing, session);
+  const Subject subject = make_subject(dataset, flags, &drawing, session);
   profile.model_ms = modelling.ms();
   const Field& field = subject.modelled.field;
   const std::int64_t step = dataset.step;
-  if (session.team() == nullptr)
-    subject.before = before_trail(render.data, drawing, subject.modelled, step, session);
   dataset = {};  // the field keeps what it borrows; the rest is memory that the frame can use
 
   Shot shot = make_shot(subject, &drawing, session);
   const Look saved_look = shot.look;  // an x-ray's is spread anew below
+  const std::optional<Trail> trail =
+      trail_of(render.data, drawing, subject.modelled, step, shot.look, session);
+  aim_camera(&shot, subject, drawing, trail ? &*trail : nullptr);
   FrameSubject drawn = frame_subject(subject, shot, drawing);
+  if (trail) drawn.trail = &*trail;
   const Camera& camera = shot.camera;
   if (render.dry_run) {
     write_out(predict({drawn, camera, drawing.options, drawing.run, render.output}, session));
@@ -349,11 +351,7 @@ void run_render(const Words& words, Session& session) {
     if (!all) return;
     image = std::move(*all);
   } else {
-    const std::optional<Trail> trail =
-        trail_of(render.data, drawing, subject.modelled, step, shot.look, session);
-    if (trail) drawn.trail = &*trail;
     image = draw(render, drawn, camera, &profile, session);
-    drawn.trail = nullptr;
   }
   note_if_empty(image, shot, field.value_range(), session);
   tell_picks(render, subject, shot, image, session);

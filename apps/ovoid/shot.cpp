@@ -6,6 +6,7 @@
 #include "make_channels.h"
 #include "make_look.h"
 #include "make_over.h"
+#include "make_trail.h"
 
 namespace ovoid::cli {
 
@@ -19,19 +20,21 @@ Shot make_shot(const Subject& subject, DrawingFlags* drawing, Session& session) 
   note_on_marks(drawing->annotation, shot.look, session);
   shot.walls = surface_to_draw(subject, *drawing);
   shot.points = points_to_draw(drawing->points);
-  const FrameSubject drawn = frame_subject(subject, shot, *drawing);
   drawing->options.further = subject.further;
-  const RenderOptions& options = drawing->options;
-  const double aspect = static_cast<double>(options.width) / options.height;
-  Bounds3 bounds = bounds_with(shot.described.box.world_bounds(), options.further);
-  if (drawing->camera.fit == Fit::kBox) {
-    for (const Field& before : subject.before) bounds.extend(before.world_bounds());
-  }
-  shot.camera = make_camera(
-      drawing->camera, {field, shot.look, bounds, shot.described.space, aspect, options.clip_planes,
-                        false, drawn.framed_surface(), shot.points.has_value(), options.further,
-                        &subject.scenery.slices, subject.before});
   return shot;
+}
+
+void aim_camera(Shot* shot, const Subject& subject, const DrawingFlags& drawing,
+                const Trail* trail) {
+  const RenderOptions& options = drawing.options;
+  const double aspect = static_cast<double>(options.width) / options.height;
+  Bounds3 bounds = bounds_with(shot->described.box.world_bounds(), options.further);
+  if (drawing.camera.fit == Fit::kBox && trail != nullptr) bounds.extend(bounds_of(*trail));
+  const FrameSubject drawn = frame_subject(subject, *shot, drawing);
+  shot->camera = make_camera(
+      drawing.camera, {subject.modelled.field, shot->look, bounds, shot->described.space, aspect,
+                       options.clip_planes, false, drawn.framed_surface(), shot->points.has_value(),
+                       options.further, &subject.scenery.slices, trail});
 }
 
 FrameSubject frame_subject(const Subject& subject, const Shot& shot, const DrawingFlags& drawing) {

@@ -15,11 +15,16 @@ struct Shot {
   Described described;  // with the box that is left
   SurfaceStyle walls{0, false};
   std::optional<PointStyle> points;
-  Camera camera;
+  Camera camera;  // aim_camera()
 };
 
-// As the flags say; the crop's clip planes are added to the options of `drawing`. Throws Error.
+// As the flags say, but for the camera; the crop's clip planes are added to the options of
+// `drawing`. Throws Error.
 Shot make_shot(const Subject& subject, DrawingFlags* drawing, Session& session);
+
+// The camera has what shows in sight, that of the trail (null: none) included. Throws Error.
+void aim_camera(Shot* shot, const Subject& subject, const DrawingFlags& drawing,
+                const Trail* trail);
 
 // What a frame of it shows, without a trail. All three outlive the result.
 FrameSubject frame_subject(const Subject& subject, const Shot& shot, const DrawingFlags& drawing);

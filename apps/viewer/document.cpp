@@ -291,7 +291,9 @@ cli::CameraSubject Document::camera_subject(const Scene& drawn, double aspect) c
           false,
           draws_surface(view) ? shown->subject.surface.get() : nullptr,
           draws_points(view),
-          drawn.options.further};
+          drawn.options.further,
+          nullptr,
+          drawn.has_trail ? drawn.shown->trail.get() : nullptr};
 }
 
 const ArrayInfo* Document::array_info(const std::string& name) const {

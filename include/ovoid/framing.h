@@ -14,6 +14,7 @@
 #include "ovoid/math.h"
 #include "ovoid/render_options.h"
 #include "ovoid/surface.h"
+#include "ovoid/trail.h"
 
 namespace OVOID_API ovoid {
 
@@ -36,13 +37,15 @@ struct Framing {
   std::vector<ClipPlane> clip_planes;  // as in RenderOptions: what they cut away is not looked for
   // As in RenderOptions: what their looks show of them is to fill the picture, too.
   std::shared_ptr<const std::vector<FurtherVolume>> further{};
-  // What the field's look shows of these is to fill the picture, too: where the field has been.
-  std::vector<Field> before{};
+  // As Renderer::render() draws it with the field: what it shows is to fill the picture, too.
+  const Trail* trail = nullptr;  // null: none
 };
 
 // The camera, moved but not turned, so that what the look shows of the field fills the picture.
 // What is as faint as a twentieth of the most opaque is passed over, and so are specks: a
-// thousandth of what shows, at each border. The focal point is in the middle of what shows;
+// thousandth of what shows, at each border. A trail is fainter than what leaves it, so both are
+// judged each by itself; what is under 2 % opaque of a trail does not count.
+// The focal point is in the middle of what shows;
 // `parallel_scale` is set for both projections. If nothing shows, the camera as it is. The same on
 // all machines: found by adding up the opacity of some hundred thousand samples, no picture is
 // drawn. Cost: some ten milliseconds. Throws Error(kInvalidArgument) for an invalid camera or

@@ -54,7 +54,9 @@ struct RowShare {
 
 struct ReadOptions {
   RawOptions raw;
-  std::string array;                 // read only this one if the format allows; empty: all
+  // Read only this one if the format allows; empty: all. Particles keep all, since others say how
+  // large and heavy they are.
+  std::string array;
   std::string block;                 // which of Dataset::blocks; empty: the largest, of meshes all
   std::optional<std::int64_t> step;  // which time step; none: the first whose samples vary
   // Samples of a lattice that memory does not hold stay in their file: of raw data, NRRD, NIfTI,

@@ -54,6 +54,7 @@
 #include "ovoid/solid.h"
 #include "ovoid/space_part.h"
 #include "ovoid/surface.h"
+#include "ovoid/trail.h"
 #include "ovoid/transfer_function.h"
 #include "ovoid/transfer_function_2d.h"
 #include "ovoid/value_plane.h"

@@ -19,6 +19,7 @@
 #include "ovoid/kernel_team.h"
 #include "ovoid/look.h"
 #include "ovoid/render_options.h"
+#include "ovoid/trail.h"
 
 namespace OVOID_API ovoid {
 
@@ -90,20 +91,6 @@ struct Frame {
   // Of a part of space (RenderOptions::part): runs of sheets, to be put together with those of the
   // other parts. Then `image` has the pixels of these runs alone, colours or values as they have.
   std::optional<DeepImage> seen;
-};
-
-// What was in a field some time ago ("motion blur"), drawn with it sheet by sheet: behind what the
-// field shows on a sheet comes what the trail shows there, so that nothing of it is seen through a
-// nearer surface. It has colours and opacities of its own and takes no light, nor opacity by the
-// gradient.
-struct Trail {
-  LatticeField field;  // on the lattice of the field that it is drawn with: trail_before()
-  TransferFunction transfer_function;
-  // Of a kernel field, in place of `field`: the trail is their mean (docs/numerics.md, "With a
-  // trail of kernel sets"), kernel_trail_before(). All alike: sums, of which there is one, or
-  // normalized; with an attribute of its own for the colours, or without. Shares are divided by
-  // their sum.
-  std::vector<KernelMoment> moments{};
 };
 
 // What a renderer runs on.

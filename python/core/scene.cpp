@@ -225,13 +225,12 @@ std::shared_ptr<Picture> Scene::draw(const Asked& asked, Manner manner, Work& wo
 
   auto picture = std::make_shared<Picture>();
   const Field& field = subject_->modelled.field;
-  subject_->before =
-      cli::before_trail(request.data, drawing, subject_->modelled, outline_.step, session);
   picture->shot = cli::make_shot(*subject_, &drawing, session);
   cli::Shot& shot = picture->shot;
-  cli::FrameSubject drawn = cli::frame_subject(*subject_, shot, drawing);
   const std::optional<Trail> trail =
       cli::trail_of(request.data, drawing, subject_->modelled, outline_.step, shot.look, session);
+  cli::aim_camera(&shot, *subject_, drawing, trail ? &*trail : nullptr);
+  cli::FrameSubject drawn = cli::frame_subject(*subject_, shot, drawing);
   if (trail) drawn.trail = &*trail;
 
   RenderOptions options = drawing.options;

@@ -172,6 +172,8 @@ def write(path, data):
     ending = _ENDINGS.get(data.kind)
     if ending is None:
         raise InvalidArgument(f"'{path}': holds lattices, meshes and particles, the data are {data.kind}")
+    if len({step._core.space for step in data.steps}) > 1:
+        raise InvalidArgument(f"'{path}': holds steps in one patient space, the data's differ")
     stem = path[: -len(".pvd")]
     times = range(len(data.steps)) if data.times is None else data.times.tolist()
     digits = len(str(len(data.steps) - 1))
@@ -180,9 +182,12 @@ def write(path, data):
         file = f"{stem}-{number:0{digits}d}{ending}"
         _as_vtk(step, path).write(file)
         lines.append(f'    <DataSet timestep="{time!r}" file="{_escaped(os.path.basename(file))}"/>\n')
+    # Words of Ovoid's, which other programs pass over.
+    words = {"TimeUnit": data._core.time_unit, "Space": data.steps[0]._core.space}
+    said = "".join(f' {name}="{_escaped(value)}"' for name, value in words.items() if value not in ("", "none"))
     partial = path + ".part"
     with open(partial, "w", encoding="utf-8", errors="surrogateescape") as file:
-        file.writelines(['<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n', *lines, "  </Collection>\n</VTKFile>\n"])
+        file.writelines(['<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n', f"  <Collection{said}>\n", *lines, "  </Collection>\n</VTKFile>\n"])
     os.replace(partial, path)
 
 

@@ -88,6 +88,19 @@ def test_a_written_series_is_the_same(tmp_path, kind):
     assert ovoid.info(tmp_path / "data.pvd")["times"] == ovoid.info(series)["times"] == list(np.cumsum([0.1] * 12))
 
 
+def test_a_written_series_keeps_its_space_and_units(tmp_path):
+    """Which stand in no file of VTK's."""
+    affine = np.diag([2.0, 3, 4, 1])
+    series = ovoid.series([moved(step) for step in range(3)], times=[0, 5, 10], time_unit='m"s', affine=affine, space="RAS")
+    ovoid.write(tmp_path / "scan.pvd", series)
+    again = ovoid.info(tmp_path / "scan.pvd")
+    assert (again["time_unit"], again["space"]) == ('m"s', "RAS")
+    assert png(ovoid.render(tmp_path / "scan.pvd", step=1, **SMALL)) == png(ovoid.render(series, step=1, **SMALL))
+    mixed = ovoid.series([ovoid.lattice(moved(0), space="LPS"), moved(1)])
+    with pytest.raises(ovoid.InvalidArgument, match="one patient space"):
+        ovoid.write(tmp_path / "mixed.pvd", mixed)
+
+
 def test_of_a_whole_array(tmp_path):
     """(t, z, y, x), (t, z, y, x, component), fields, masked values and memory maps."""
     steps = np.stack([moved(step) for step in range(3)])

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A silhouette first: opacity on a coarse raster across the view axis, as if seen from far away,
-// added up from regions that show (visible_points.h). What it leaves is fitted exactly, perspective
-// included: each side of the view's pyramid must lie outside of every region.
+// added up from regions that show (visible_points.h). A trail has a silhouette of its own. What
+// they leave is fitted exactly, perspective included: each side of the view's pyramid must lie
+// outside of every region.
 #include "ovoid/framing.h"
 
 #include <fmt/format.h>
@@ -24,6 +25,7 @@ namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kFaintest = 0.05;        // of the most opaque
+constexpr double kUnseen = 0.02;          // opacity of a trail that nobody sees
 constexpr double kFaintestRegion = 1e-3;  // the same, of a region by itself
 constexpr double kSpecks = 1e-3;          // of what shows, at each border
 constexpr double kFlatBox = 0.25;         // shortest side over the next
@@ -52,7 +54,8 @@ struct Extent {
 // Rows are along `up`.
 class Silhouette {
  public:
-  explicit Silhouette(const std::vector<Region>& regions) {
+  // `least`: opacity from which on something counts.
+  Silhouette(const std::vector<Region>& regions, double least) {
     Extent across;
     Extent along;
     for (const Region& region : regions) {
@@ -68,7 +71,7 @@ class Silhouette {
     for (float& depth : cells_) depth = 1 - std::exp(-depth);  // opacity from here on
     const float most = *std::max_element(cells_.begin(), cells_.end());
     for (float& opacity : cells_) {
-      if (opacity < kFaintest * most) opacity = 0;
+      if (opacity < std::max(kFaintest * most, least)) opacity = 0;
     }
     drop_specks();
   }
@@ -184,6 +187,43 @@ class RegionList {
   std::vector<Region> regions_;
 };
 
+// Those that show; `least` as in Silhouette.
+std::vector<Region> regions_seen(std::vector<Region> regions, double least) {
+  if (regions.empty()) return regions;
+  const Silhouette silhouette(regions, least);
+  std::erase_if(regions, [&](const Region& region) { return !silhouette.shows(region); });
+  return regions;
+}
+
+// Of many moments each has its part of the points, but as many as tell what it is like.
+std::int64_t points_of_moment(std::size_t num_moments) {
+  constexpr std::int64_t kLeast = 20'000;
+  return std::max(kLeast, view::kVisiblePoints / static_cast<std::int64_t>(num_moments));
+}
+
+// `look`: of the field that it is the trail of.
+void add_trail(const Trail& trail, const Look& look, const std::vector<ClipPlane>& planes,
+               RegionList* list) {
+  Look own;
+  own.transfer_function = trail.transfer_function;
+  own.unit_distance = look.unit_distance;
+  if (trail.moments.empty()) {
+    view::for_visible_points(trail.field, own, planes,
+                             [&](const view::VisiblePoint& point) { list->add(point); });
+  }
+  double sum = 0;
+  for (const KernelMoment& moment : trail.moments) sum += moment.share;
+  for (const KernelMoment& moment : trail.moments) {
+    view::for_visible_points(
+        moment.field, own, planes,
+        [&](view::VisiblePoint point) {
+          point.absorption *= moment.share / sum;
+          list->add(point);
+        },
+        points_of_moment(trail.moments.size()));
+  }
+}
+
 // Everything that shows, as a box along the camera's axes.
 struct VisibleBox {
   Extent right, up, away;
@@ -294,21 +334,21 @@ Camera framed(Camera camera, const Field& field, const Look& look, const Framing
   RegionList list(axes, middle);
   view::for_visible_points(field, look, framing.clip_planes,
                            [&](const view::VisiblePoint& point) { list.add(point); });
-  for (const Field& before : framing.before) {
-    view::for_visible_points(before, look, framing.clip_planes,
-                             [&](const view::VisiblePoint& point) { list.add(point); });
-  }
   if (framing.further != nullptr) {
     for (const FurtherVolume& volume : *framing.further) {
       view::for_visible_points(volume.field, volume.look, framing.clip_planes,
                                [&](const view::VisiblePoint& point) { list.add(point); });
     }
   }
-  std::vector<Region> regions = list.take();
+  std::vector<Region> regions = regions_seen(list.take(), 0);
+  if (framing.trail != nullptr) {
+    RegionList of_trail(axes, middle);
+    add_trail(*framing.trail, look, framing.clip_planes, &of_trail);
+    const std::vector<Region> trail = regions_seen(of_trail.take(), kUnseen);
+    regions.insert(regions.end(), trail.begin(), trail.end());
+  }
   if (regions.empty()) return camera;
-  const Silhouette silhouette(regions);
-  std::erase_if(regions, [&](const Region& region) { return !silhouette.shows(region); });
-  return regions.empty() ? camera : fitted(camera, regions, framing, axes, middle);
+  return fitted(std::move(camera), regions, framing, axes, middle);
 }
 
 namespace {

@@ -151,6 +151,34 @@ TEST(Framing, SpecksAndHazeArePassedOver) {
               (without.position - without.focal_point).norm(), 5);
 }
 
+// The places seen of a field and its trail reach from the one to the other, however faint the trail
+// is beside the field; what no picture shows of it does not count.
+TEST(Framing, TrailsFillThePictureByThemselves) {
+  const auto ball_at = [](const Vec3& center) {
+    return test::make_field({96, 24, 24}, [=](std::int64_t i, std::int64_t j, std::int64_t k) {
+      const Vec3 place(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+      return (place - center).norm() < kBallRadius ? 1.0 : 0.0;
+    });
+  };
+  const Vec3 now(86, 12, 12);
+  const Vec3 then(10, 12, 12);
+  const LatticeField field = ball_at(now);
+  Trail trail{.field = ball_at(then), .transfer_function = ball_look().transfer_function};
+  Camera start = default_camera(field.world_bounds(), Space::kNone, "-y");
+  start.parallel_projection = true;
+  const Framing framing{.aspect = 4, .trail = &trail};
+  for (const double opacity : {0.9, 0.005}) {
+    trail.transfer_function.opacities = {{0.4, 0.0}, {0.6, opacity}};
+    const Camera camera = framed(start, field, ball_look(), framing);
+    EXPECT_NEAR(camera.focal_point.x(), 48, 1) << opacity;
+    EXPECT_LT(seen_at(camera, then - Vec3(kBallRadius, 0, 0)).x(), -0.8 * 4 * half_height(camera));
+    EXPECT_GT(seen_at(camera, then - Vec3(kBallRadius, 0, 0)).x(), -4 * half_height(camera));
+  }
+  trail.transfer_function.opacities = {{0.4, 0.0}, {0.6, 0.0001}};
+  EXPECT_EQ(framed(start, field, ball_look(), framing).position,
+            framed(start, field, ball_look(), {.aspect = 4}).position);
+}
+
 TEST(Framing, WhereNothingShowsTheCameraStays) {
   Look look = ball_look();
   look.transfer_function.opacities = {{0, 0}};

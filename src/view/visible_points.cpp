@@ -15,8 +15,6 @@
 namespace ovoid::view {
 namespace {
 
-constexpr std::int64_t kWantedPoints = 500'000;
-
 double sample_value(const BrickSource& source, const BrickView& view, const Index3& at) {
   const std::int64_t place = (at[0] - view.lo[0]) + (at[1] - view.lo[1]) * view.stride_y +
                              (at[2] - view.lo[2]) * view.stride_z;
@@ -94,11 +92,12 @@ class Extinction {
 
 // Every so many-th sample along each axis, those of a brick together.
 void add_samples(const LatticeField& field, const Extinction& extinction,
-                 const std::vector<ClipPlane>& planes, const VisiblePointSink& sink) {
+                 const std::vector<ClipPlane>& planes, const VisiblePointSink& sink,
+                 std::int64_t most) {
   const BrickSource& source = field.samples();
   const LatticeGeometry& lattice = source.geometry();
-  const double per_axis = std::cbrt(static_cast<double>(num_samples(lattice.dims)) /
-                                    static_cast<double>(kWantedPoints));
+  const double per_axis =
+      std::cbrt(static_cast<double>(num_samples(lattice.dims)) / static_cast<double>(most));
   const auto step = std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(per_axis)));
   const std::int64_t edge = source.brick_edge();
   const std::int64_t layers = edge * lattice.num_sublattices();
@@ -128,16 +127,17 @@ void add_samples(const LatticeField& field, const Extinction& extinction,
 // A normalized set fills the volume of its kernels, as far as they are most of what is there; of a
 // sum, a kernel's content stands for the volume that holds as much where it lies.
 void add_kernels(const KernelField& field, const Extinction& extinction,
-                 const std::vector<ClipPlane>& planes, const VisiblePointSink& sink) {
+                 const std::vector<ClipPlane>& planes, const VisiblePointSink& sink,
+                 std::int64_t most) {
   const KernelSource& source = field.source();
   const bool is_sum = field.reconstruction() == Reconstruction::kSum;
   const double integral = profile_integral(source.profile(), source.cutoff());
   const auto attribute = static_cast<std::size_t>(field.attribute());
   const auto stands_for = static_cast<double>(
-      is_sum ? field.sums()->stride : data::stride_for(source.num_kernels(), kWantedPoints));
+      is_sum ? field.sums()->stride : data::stride_for(source.num_kernels(), most));
   constexpr double kReach = 1.5;  // sigmas
   for_values_at_kernels(
-      field, kWantedPoints,
+      field, most,
       [&](const KernelBrick& brick, const KernelView& view, std::int32_t i, double value) {
         const Vec3 place = brick.origin + data::offset_of(view, i);
         if (!is_kept(place, planes)) return;
@@ -160,12 +160,13 @@ bool is_kept(const Vec3& place, const std::vector<ClipPlane>& planes) {
 }
 
 void for_visible_points(const Field& field, const Look& look,
-                        const std::vector<ClipPlane>& clip_planes, const VisiblePointSink& sink) {
+                        const std::vector<ClipPlane>& clip_planes, const VisiblePointSink& sink,
+                        std::int64_t most) {
   const Extinction extinction(field, look);
   if (field.lattice() != nullptr) {
-    add_samples(*field.lattice(), extinction, clip_planes, sink);
+    add_samples(*field.lattice(), extinction, clip_planes, sink, most);
   } else {
-    add_kernels(*field.kernels(), extinction, clip_planes, sink);
+    add_kernels(*field.kernels(), extinction, clip_planes, sink, most);
   }
 }
 

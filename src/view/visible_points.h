@@ -3,6 +3,7 @@
 // without drawing one.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -23,10 +24,13 @@ using VisiblePointSink = std::function<void(const VisiblePoint& point)>;
 // Whether no plane cuts the place away.
 bool is_kept(const Vec3& place, const std::vector<ClipPlane>& planes);
 
-// Calls the sink for some hundred thousand samples of a lattice, evenly spread; of a set for as
-// many kernels, or, where kernels are summed, some thousands. What lies behind clip planes is left
-// out. Throws what the field's source throws.
+inline constexpr std::int64_t kVisiblePoints = 500'000;
+
+// Calls the sink for about `most` samples of a lattice, evenly spread; of a set for as many kernels
+// (under twice as many), or, where kernels are summed, some thousands. What lies behind clip planes
+// is left out. Throws what the field's source throws.
 void for_visible_points(const Field& field, const Look& look,
-                        const std::vector<ClipPlane>& clip_planes, const VisiblePointSink& sink);
+                        const std::vector<ClipPlane>& clip_planes, const VisiblePointSink& sink,
+                        std::int64_t most = kVisiblePoints);
 
 }  // namespace ovoid::view

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Trails of particles and meshes by the program.
+// Trails by the program.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "program.h"
 
 namespace ovoid::cli_tests {
@@ -49,6 +53,32 @@ std::string moving_mesh(const Folder& folder) {
              "CollectionType=\"Temporal\">" +
                  grids + "</Grid></Domain></Xdmf>");
   return path;
+}
+
+// A blob of radius 3 in 64 x 16 x 16 samples, at one place along x after the other.
+Words moving_blob(const Folder& folder, const std::vector<int>& places) {
+  Words steps;
+  for (const int place : places) {
+    std::string text = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 64 16 16\nencoding: ascii\n\n";
+    for (int i = 0; i < 64 * 16 * 16; ++i) {
+      const double distance = std::hypot(i % 64 - place, i / 64 % 16 - 8, i / 1024 - 8);
+      text += std::to_string(static_cast<int>(200 * std::clamp(4 - distance, 0.0, 1.0))) + " ";
+    }
+    steps.push_back(folder / ("blob_" + std::to_string(steps.size()) + ".nrrd"));
+    write_file(steps.back(), text);
+  }
+  return steps;
+}
+
+// The first and the last column of a picture in which anything is seen.
+std::array<int, 2> columns_seen(const Picture& picture) {
+  std::array<int, 2> seen{picture.width, -1};
+  for (int i = 0; i < picture.width * picture.height; ++i) {
+    if (picture.rgba[static_cast<std::size_t>(4 * i + 3)] < 0.01F) continue;
+    seen[0] = std::min(seen[0], i % picture.width);
+    seen[1] = std::max(seen[1], i % picture.width);
+  }
+  return seen;
 }
 
 // Pixels of a row of three strips of the picture, from left to right, that are seen.
@@ -114,6 +144,26 @@ TEST(Trails, OfMeshesAreBeyondTheirSurfaces) {
     const auto seen = seen_in_thirds(draw_small(folder, words));
     EXPECT_GT(seen[1], 5) << joined(how);
     EXPECT_GT(seen[0], 5) << joined(how);
+  }
+}
+
+// Fails if the camera has in sight only what is there, or what was there at the trail's beginning.
+TEST(Trails, OfLatticesFillThePictureFromEndToEnd) {
+  const Folder folder;
+  const Words line = moving_blob(folder, {10, 20, 30, 40, 50});
+  const Words there_and_back = moving_blob(folder, {10, 25, 40, 54, 40, 25, 10});
+  for (const Words& data : {line, there_and_back}) {
+    for (const Words& how :
+         {Words{"--opacity", "0:0,20:0.5"}, Words{"--mode", "isosurface", "--iso", "20"}}) {
+      Words words = data;
+      words.insert(words.end(), {"--step", std::to_string(data.size() - 1), "--motion-blur", "9"});
+      words.insert(words.end(), how.begin(), how.end());
+      const auto [first, last] = columns_seen(draw_small(folder, words));
+      EXPECT_GT(first, 0) << joined(words);
+      EXPECT_LT(first, 12) << joined(words);
+      EXPECT_GT(last, 83) << joined(words);
+      EXPECT_LT(last, 95) << joined(words);
+    }
   }
 }
 

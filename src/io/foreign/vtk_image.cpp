@@ -114,12 +114,19 @@ Dataset lattice_of_leaf(const ByteSource& source, vtkDataSet* image, LatticeGeom
 
 Dataset read_vtk_file(const ByteSource& source, bool is_xml, const ReadOptions& options) {
   VtkRun run(source, options);
-  const VtkLeaf leaf = read_vtk_leaf(source, is_xml, options, run);
+  VtkLeaf leaf = read_vtk_leaf(source, is_xml, options, run);
   Dataset dataset;
   dataset.source = source.name();
   dataset.format = format_of_leaf(leaf.grid, is_xml);
   dataset.notes = std::move(run.notes);
-  return dataset_of(source, leaf.data, std::move(dataset), options);
+  dataset = dataset_of(source, leaf.data, std::move(dataset), options);
+  if (dataset.kind != DatasetKind::kParticles || !leaf.has_one_array) return dataset;
+  // That its cells are vertices is known only now. What was read is let go first.
+  leaf = {};
+  dataset = {};
+  ReadOptions all = options;
+  all.array.clear();
+  return read_vtk_file(source, is_xml, all);
 }
 
 Dataset dataset_of(const ByteSource& source, vtkDataSet* data, Dataset dataset,

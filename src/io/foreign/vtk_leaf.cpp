@@ -46,13 +46,13 @@ void select_array(const ByteSource& source, vtkXMLReader* reader, const std::str
 }
 
 template <typename Reader>
-vtkSmartPointer<vtkDataSet> run_xml_reader(const ByteSource& source, const ReadOptions& options,
+vtkSmartPointer<vtkDataSet> run_xml_reader(const ByteSource& source, const std::string& array,
                                            VtkRun& run) {
   vtkNew<Reader> reader;
   reader->SetFileName(path_for_vtk(source).c_str());
-  if (!options.array.empty()) {
+  if (!array.empty()) {
     run(reader, [&] { reader->UpdateInformation(); });
-    select_array(source, reader, options.array);
+    select_array(source, reader, array);
   }
   run(reader, [&] { reader->Update(); });
   return reader->GetOutput();
@@ -74,18 +74,18 @@ vtkSmartPointer<vtkDataSet> run_legacy_reader(const ByteSource& source, VtkRun& 
 }
 
 vtkSmartPointer<vtkDataSet> run_xml(const ByteSource& source, VtkGrid grid,
-                                    const ReadOptions& options, VtkRun& run) {
+                                    const std::string& array, VtkRun& run) {
   switch (grid) {
     case VtkGrid::kImage:
-      return run_xml_reader<vtkXMLImageDataReader>(source, options, run);
+      return run_xml_reader<vtkXMLImageDataReader>(source, array, run);
     case VtkGrid::kRectilinear:
-      return run_xml_reader<vtkXMLRectilinearGridReader>(source, options, run);
+      return run_xml_reader<vtkXMLRectilinearGridReader>(source, array, run);
     case VtkGrid::kStructured:
-      return run_xml_reader<vtkXMLStructuredGridReader>(source, options, run);
+      return run_xml_reader<vtkXMLStructuredGridReader>(source, array, run);
     case VtkGrid::kUnstructured:
-      return run_xml_reader<vtkXMLUnstructuredGridReader>(source, options, run);
+      return run_xml_reader<vtkXMLUnstructuredGridReader>(source, array, run);
     case VtkGrid::kPolyData:
-      return run_xml_reader<vtkXMLPolyDataReader>(source, options, run);
+      return run_xml_reader<vtkXMLPolyDataReader>(source, array, run);
   }
   return nullptr;
 }
@@ -112,8 +112,11 @@ VtkLeaf read_vtk_leaf(const ByteSource& source, bool is_xml, const ReadOptions& 
                       VtkRun& run) {
   VtkLeaf leaf;
   leaf.grid = is_xml ? check_vtk_xml(source) : check_legacy_vtk(source);
-  leaf.data =
-      is_xml ? run_xml(source, leaf.grid, options, run) : run_legacy(source, leaf.grid, run);
+  // Of polygons without their faces the points are read, as particles.
+  const bool are_particles = leaf.grid == VtkGrid::kPolyData && !options.faces;
+  leaf.has_one_array = is_xml && !are_particles && !options.array.empty();
+  leaf.data = is_xml ? run_xml(source, leaf.grid, leaf.has_one_array ? options.array : "", run)
+                     : run_legacy(source, leaf.grid, run);
   if (leaf.data == nullptr)
     throw Error(ErrorCode::kFileFormat, fmt::format("{}: VTK finds no data in it", source.name()));
   return leaf;

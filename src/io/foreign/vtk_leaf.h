@@ -15,11 +15,12 @@ namespace ovoid::io {
 struct VtkLeaf {
   VtkGrid grid = VtkGrid::kImage;
   vtkSmartPointer<vtkDataSet> data;
+  bool has_one_array = false;  // the others have not been read
 };
 
 // Reads an XML or a legacy file after checking its header (vtk_header.h); of an XML file only
-// options.array, if that is given, and what says which cells are ghosts. Throws Error. Only with
-// VTK.
+// options.array, if that is given, and what says which cells are ghosts, but all of polygons whose
+// faces are not asked for. Throws Error. Only with VTK.
 VtkLeaf read_vtk_leaf(const ByteSource& source, bool is_xml, const ReadOptions& options,
                       VtkRun& run);
 

@@ -167,7 +167,7 @@ Dataset read_series(const ByteSource& source, const ReadOptions& options) {
   std::vector<double> times;
   times.reserve(steps.size());
   for (const auto& [time, files] : steps) times.push_back(time);
-  return read_mesh_step(
+  Dataset dataset = read_mesh_step(
       source.name(), static_cast<std::int64_t>(times.size()), times, options,
       [&](std::int64_t step) {
         const auto& files = steps.at(times[static_cast<std::size_t>(step)]);
@@ -188,6 +188,10 @@ Dataset read_series(const ByteSource& source, const ReadOptions& options) {
         }
         return read_vtk(*file, own);
       });
+  const VtkSeriesPlace place = vtk_series_place(source);
+  dataset.time_unit = place.time_unit;
+  dataset.space = place.space;
+  return dataset;
 }
 
 Dataset read_vtk_set(const ByteSource& source, const std::string& xml_type,

@@ -258,11 +258,37 @@ DataArray zeros_at_nodes(const Dataset& dataset) {
   return array;
 }
 
+// What is asked for has to be there. Particles keep what says how large and heavy they are.
 void leave_wanted_array(Dataset& dataset, const std::string& wanted) {
   if (wanted.empty()) return;
   DataArray array = dataset.array(wanted);
+  if (dataset.kind == DatasetKind::kParticles) return;
   dataset.arrays.clear();
   dataset.arrays.push_back(std::move(array));
+}
+
+// Whose part each is: runs of them with about as many cells.
+int owner_of(std::int64_t cells_before, std::int64_t num_cells, int count) {
+  const double place = static_cast<double>(cells_before) / static_cast<double>(num_cells);
+  return std::min(static_cast<int>(place * count), count - 1);
+}
+
+// A part as its outline says it is.
+void require_outline(const Dataset& dataset, const MeshPart& part, const PartOutline& outline,
+                     const std::vector<DataArray>& arrays) {
+  const std::string& where = part.source.empty() ? dataset.source : part.source;
+  if (part.num_nodes() != outline.num_nodes || part.cells.count() != outline.num_cells)
+    throw Error(
+        ErrorCode::kFileFormat,
+        fmt::format("{}: has {} points and {} cells: its header says {} and {}", where,
+                    part.num_nodes(), part.cells.count(), outline.num_nodes, outline.num_cells));
+  for (const DataArray& array : arrays) {
+    if (array.is_cell_data && outline.num_cells == 0) continue;
+    if (std::none_of(part.arrays.begin(), part.arrays.end(),
+                     [&](const DataArray& a) { return is_same_array(a, array); }))
+      throw Error(ErrorCode::kFileFormat,
+                  fmt::format("{}: array '{}': is not what its header says", where, array.name));
+  }
 }
 
 }  // namespace
@@ -293,10 +319,7 @@ Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOp
                                           dataset.source, merger.num_merged()));
     }
   }
-  const bool are_points = (whole.is_surface && !options.faces) ||
-                          (!whole.cells.is_structured() &&
-                           std::all_of(whole.cells.types.begin(), whole.cells.types.end(),
-                                       [](CellType type) { return type == CellType::kVertex; }));
+  const bool are_points = (whole.is_surface && !options.faces) || is_point_set(whole);
   dataset.kind = are_points ? DatasetKind::kParticles : DatasetKind::kMesh;
   if (are_points) make_particles(dataset, whole);
   dataset.positions = std::move(whole.positions);
@@ -312,34 +335,6 @@ Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOp
   shorten_notes(dataset.notes);
   return dataset;
 }
-
-namespace {
-
-// Whose part each is: runs of them with about as many cells.
-int owner_of(std::int64_t cells_before, std::int64_t num_cells, int count) {
-  const double place = static_cast<double>(cells_before) / static_cast<double>(num_cells);
-  return std::min(static_cast<int>(place * count), count - 1);
-}
-
-// A part as its outline says it is.
-void require_outline(const Dataset& dataset, const MeshPart& part, const PartOutline& outline,
-                     const std::vector<DataArray>& arrays) {
-  const std::string& where = part.source.empty() ? dataset.source : part.source;
-  if (part.num_nodes() != outline.num_nodes || part.cells.count() != outline.num_cells)
-    throw Error(
-        ErrorCode::kFileFormat,
-        fmt::format("{}: has {} points and {} cells: its header says {} and {}", where,
-                    part.num_nodes(), part.cells.count(), outline.num_nodes, outline.num_cells));
-  for (const DataArray& array : arrays) {
-    if (array.is_cell_data && outline.num_cells == 0) continue;
-    if (std::none_of(part.arrays.begin(), part.arrays.end(),
-                     [&](const DataArray& a) { return is_same_array(a, array); }))
-      throw Error(ErrorCode::kFileFormat,
-                  fmt::format("{}: array '{}': is not what its header says", where, array.name));
-  }
-}
-
-}  // namespace
 
 Dataset mesh_share_of_parts(Dataset dataset, std::span<const PartOutline> outlines,
                             const std::function<MeshPart(std::size_t)>& read,

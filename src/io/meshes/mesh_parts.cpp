@@ -195,6 +195,12 @@ void check_mesh(const std::string& where, const MeshPart& part) {
   }
 }
 
+bool is_point_set(const MeshPart& part) {
+  return !part.cells.is_structured() &&
+         std::all_of(part.cells.types.begin(), part.cells.types.end(),
+                     [](CellType type) { return type == CellType::kVertex; });
+}
+
 void make_explicit(MeshPart& part) {
   if (!part.cells.is_structured()) return;
   const Index3 dims = part.cells.dims;

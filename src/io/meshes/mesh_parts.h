@@ -49,6 +49,9 @@ int num_corners(CellType type) noexcept;
 // What drop_ghosts() looks for.
 inline constexpr const char* kGhostArray = "vtkGhostType";
 
+// Nothing but vertices, or nothing between its nodes.
+bool is_point_set(const MeshPart& part);
+
 // Structured cells become hexahedra, quads, lines or a vertex, by the axes longer than one node.
 void make_explicit(MeshPart& part);
 
@@ -62,7 +65,8 @@ std::int64_t drop_ghosts(MeshPart& part);
 // parts are passed over; the others go through check_mesh and drop_ghosts. `dataset` has source,
 // format and notes. With options.block the parts of that block alone; else all, if they share an
 // array, or the largest block. Nodes of different parts at exactly the same place become one.
-// Throws Error(kInvalidArgument) for an unknown block, Error(kFileFormat) if nothing, or no array,
+// Of a mesh options.array alone is kept, of particles all arrays. Throws Error(kInvalidArgument)
+// for an unknown block or array, Error(kFileFormat) if nothing, or no array,
 // is left.
 Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOptions& options);
 

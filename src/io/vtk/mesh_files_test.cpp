@@ -122,6 +122,61 @@ TEST_F(MeshFiles, ContradictionsInVtuAreNamed) {
   EXPECT_NE(file_error("a.vtu", kVtu.substr(0, kVtu.size() / 2)), "");
 }
 
+// Fails if what is asked for takes away the radii, masses and numbers that the model finds by name.
+TEST_F(MeshFiles, PointSetsKeepTheirOtherArrays) {
+  const auto array = [](const std::string& name, const std::string& values) {
+    return R"(<DataArray type="Float32" Name=")" + name + R"(" format="ascii">)" + values +
+           "</DataArray>";
+  };
+  const auto list = [](const std::string& name, const std::string& type,
+                       const std::string& values) {
+    return "<DataArray type=\"" + type + "\" Name=\"" + name + "\" format=\"ascii\">" + values +
+           "</DataArray>";
+  };
+  const std::string begin = "<PointData>" + array("h", "1 2") + array("mass", "3 4") +
+                            array("u", "5 6") +
+                            R"(</PointData><Points><DataArray type="Float32" NumberOfComponents="3"
+format="ascii">0 0 0 1 0 0</DataArray></Points>)";
+  const auto cells = [&](int count) {
+    return "<Cells>" + list("connectivity", "Int64", count > 0 ? "0 1" : "") +
+           list("offsets", "Int64", count > 0 ? "1 2" : "") +
+           list("types", "UInt8", count > 0 ? "1 1" : "") + "</Cells>";
+  };
+  const auto file = [](const std::string& type, const std::string& counts,
+                       const std::string& content) {
+    return "<VTKFile type=\"" + type + R"(" version="0.1" byte_order="LittleEndian"><)" + type +
+           "><Piece NumberOfPoints=\"2\" " + counts + ">" + content + "</Piece></" + type +
+           "></VTKFile>";
+  };
+  const std::vector<std::string> paths{
+      folder.write("vertices.vtu",
+                   file("UnstructuredGrid", "NumberOfCells=\"2\"", begin + cells(2))),
+      folder.write("points.vtu", file("UnstructuredGrid", "NumberOfCells=\"0\"", begin + cells(0))),
+      folder.write("points.vtp", file("PolyData",
+                                      R"(NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0"
+NumberOfPolys="0")",
+                                      begin)),
+      folder.write("legacy.vtk",
+                   "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n"
+                   "0 0 0 1 0 0\nPOINT_DATA 2\nSCALARS h float\nLOOKUP_TABLE default\n1 2\n"
+                   "SCALARS mass float\nLOOKUP_TABLE default\n3 4\n"
+                   "SCALARS u float\nLOOKUP_TABLE default\n5 6\n")};
+  for (const std::string& path : paths) {
+    ReadOptions options;
+    options.array = "u";
+    const Dataset points = read_dataset({path}, options);
+    EXPECT_EQ(points.kind, DatasetKind::kParticles) << path;
+    ASSERT_EQ(points.arrays.size(), 3U) << path;
+    EXPECT_EQ(values_of<float>(points.array("h")), (std::vector<float>{1, 2})) << path;
+    EXPECT_EQ(values_of<float>(points.array("mass")), (std::vector<float>{3, 4})) << path;
+    options.array = "v";
+    EXPECT_NE(error_of([&] { read_dataset({path}, options); }).find("'v'"), std::string::npos);
+  }
+  ReadOptions options;
+  options.array = "c";
+  EXPECT_EQ(read_dataset({folder.write("a.vtu", kVtu)}, options).arrays.size(), 1U);  // of a mesh
+}
+
 TEST_F(MeshFiles, PiecesAndBlocks) {
   folder.write("a.vtu", kVtu);
   // The same moved by one in x: four nodes of the hexahedra meet, and the tetrahedron's tip.
@@ -210,7 +265,26 @@ TEST_F(MeshFiles, TimeSeriesBeginWhereTheyVary) {
   ReadOptions options;
   options.step = 0;
   EXPECT_EQ(read_dataset({series}, options).step, 0);
+  EXPECT_EQ(mesh.time_unit, "");
+  EXPECT_EQ(mesh.space, Space::kNone);
   EXPECT_EQ(read_dataset({folder.file("a.vtu"), folder.file("b.vtu")}).step, 1);
+}
+
+// What ParaView's files have no words for stands beside its own.
+TEST_F(MeshFiles, TimeSeriesMaySayTheirUnitAndSpace) {
+  folder.write("a.vtu", kVtu);
+  const auto series = [&](const std::string& words) {
+    return folder.write("a.pvd", R"(<VTKFile type="Collection"><Collection )" + words +
+                                     R"(><DataSet timestep="1" file="a.vtu"/></Collection>
+</VTKFile>)");
+  };
+  const Dataset mesh = read_dataset({series(R"(TimeUnit="&lt;ms&gt;" Space="RAS")")});
+  EXPECT_EQ(mesh.time_unit, "<ms>");
+  EXPECT_EQ(mesh.space, Space::kRas);
+  EXPECT_NE(error_of([&] {
+              read_dataset({series(R"(Space="MNI")")});
+            }).find("Space=\"MNI\": expected none, LPS or RAS"),
+            std::string::npos);
 }
 
 TEST_F(MeshFiles, LegacyMeshesOfEveryKind) {

@@ -86,6 +86,26 @@ const char* format_of_vtk_set(const std::string& xml_type) noexcept {
   return find_set_type(xml_type)->format;
 }
 
+VtkSeriesPlace vtk_series_place(const ByteSource& source) {
+  XmlTagReader reader(source);
+  while (const auto tag = reader.next()) {
+    if (tag->name != "Collection") continue;
+    VtkSeriesPlace place;
+    const std::string unit = tag->attribute("TimeUnit");
+    place.time_unit = without_entities(unit).value_or(unit);
+    const std::string word = tag->attribute("Space", name_of(Space::kNone));
+    for (const Space space : {Space::kNone, Space::kLps, Space::kRas}) {
+      if (word != name_of(space)) continue;
+      place.space = space;
+      return place;
+    }
+    throw Error(ErrorCode::kFileFormat,
+                fmt::format("{}: Collection: Space=\"{}\": expected none, LPS or RAS",
+                            source.name(), word.substr(0, 40)));
+  }
+  return {};
+}
+
 // The layouts differ in the names of the tags alone.
 std::vector<VtkSetFile> vtk_set_files(const ByteSource& source) {
   std::vector<VtkSetFile> files;

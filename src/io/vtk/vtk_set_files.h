@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/core/byte_source.h"
+#include "ovoid/dataset.h"
 
 namespace ovoid::io {
 
@@ -37,6 +38,15 @@ struct VtkSetFile {
   int level = 0;      // adaptive grids
   double time = 0;    // time series
 };
+
+// What is said of all steps of a time series by attributes of its element Collection, which other
+// programs pass over: TimeUnit, and Space of the world (none, LPS or RAS). Throws Error for
+// another.
+struct VtkSeriesPlace {
+  std::string time_unit;
+  Space space = Space::kNone;
+};
+VtkSeriesPlace vtk_series_place(const ByteSource& source);
 
 // The files of a set, in the order they stand; names count from the set's folder. Throws Error.
 std::vector<VtkSetFile> vtk_set_files(const ByteSource& source);

@@ -229,10 +229,11 @@ class XdmfGridReader {
     bool is_there = false;
     for (std::size_t i = 0; i < attributes.size(); ++i)
       is_there = is_there || (!wanted.empty() && name_of_attribute(attributes[i], i) == wanted);
+    const bool keeps_all = !content_.lattice && is_point_set(content_.part);
     for (std::size_t i = 0; i < attributes.size(); ++i) {
       const std::string name = name_of_attribute(attributes[i], i);
-      if (is_there && name != wanted) continue;
-      read_attribute(attributes[i], name, is_there, notes);
+      if (is_there && !keeps_all && name != wanted) continue;
+      read_attribute(attributes[i], name, is_there && name == wanted, notes);
     }
   }
 

@@ -212,6 +212,11 @@ TEST(Xdmf, PointsAreParticles) {
     EXPECT_EQ(points.kind, DatasetKind::kParticles) << topology;
     EXPECT_EQ(points.num_positions(), 9);
     EXPECT_EQ(values_of<float>(points.array("m")), counting<float>(9));
+    ReadOptions one;
+    one.array = "m";
+    const std::string radii = xdmf_attribute("h", xdmf_item("9", xdmf_counting(9)));
+    const auto both = xdmf_file(xdmf_grid(topology + kXdmfNodes + values + radii));
+    EXPECT_EQ(read_xdmf_text(both, one).arrays.size(), 2U) << topology;  // the radii, too
     expect_shares([&](const ReadOptions& options) {
       return read_xdmf_text(xdmf_file(xdmf_grid(topology + kXdmfNodes + values)), options);
     });

@@ -161,6 +161,7 @@ bool owns_face(const LocalMesh& mesh, const std::vector<std::uint32_t>& corners)
 std::array<std::uint64_t, 3> key_in_whole(const LocalMesh& mesh,
                                           const std::vector<std::uint32_t>& corners) {
   std::vector<std::uint64_t> numbers;
+  numbers.reserve(corners.size());
   for (const std::uint32_t corner : corners) numbers.push_back(mesh.numbers[corner]);
   std::array<std::uint64_t, 3> key{};
   std::partial_sort_copy(numbers.begin(), numbers.end(), key.begin(), key.end());

@@ -43,7 +43,8 @@ Mode mode_of(int blend_mode) {
 
 // What is added at a value is its share of the range times its opacity, a. An opacity of
 // 1 - exp(-a) makes the sum, over the unit distance, the frame's optical depth.
-void make_additive(vtkPiecewiseFunction* function, const ValueRange& range, Look* look) {
+void make_additive(vtkPiecewiseFunction* function, double weight, const ValueRange& range,
+                   Look* look) {
   const double span = static_cast<double>(range.hi) - range.lo;
   std::vector<double> ends{range.lo, range.hi};
   for (const OpacityPoint& point : opacity_points(function)) {
@@ -54,7 +55,7 @@ void make_additive(vtkPiecewiseFunction* function, const ValueRange& range, Look
   points.clear();
   const auto add = [&](double value) {
     const double share = span > 0 ? (value - range.lo) / span : 1;
-    const double opacity = std::clamp(function->GetValue(value), 0.0, 1.0);
+    const double opacity = weight * std::clamp(function->GetValue(value), 0.0, 1.0);
     points.push_back({value, -std::expm1(-share * opacity)});
   };
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
@@ -168,7 +169,9 @@ std::vector<Lamp> lamps_of(vtkRenderer* renderer, const Vec3& center) {
 
 }  // namespace
 
-Look look_of_property(vtkVolumeProperty* property, int index, int blend_mode, const Field& field) {
+Look look_of_property(vtkVolumeProperty* property, const DrawnComponent& drawn, int blend_mode,
+                      const Field& field) {
+  const int index = drawn.property_index;
   Look look;
   look.mode = mode_of(blend_mode);
   if (property->GetTransferFunctionMode() != vtkVolumeProperty::TF_1D)
@@ -180,6 +183,7 @@ Look look_of_property(vtkVolumeProperty* property, int index, int blend_mode, co
   else
     take_colors(property->GetRGBTransferFunction(index), &tf);
   tf.opacities = opacity_points(property->GetScalarOpacity(index));
+  for (OpacityPoint& point : tf.opacities) point.opacity *= drawn.weight;
   if (blend_mode == vtkVolumeMapper::MINIMUM_INTENSITY_BLEND) negate(&tf);
   if (look.mode == Mode::kIsosurface) look.isovalue = isovalue_of(property);
   if (look.mode == Mode::kComposite && property->GetDisableGradientOpacity(index) == 0) {
@@ -193,7 +197,7 @@ Look look_of_property(vtkVolumeProperty* property, int index, int blend_mode, co
   look.material.specular = property->GetSpecular(index);
   look.material.specular_power = property->GetSpecularPower(index);
   if (blend_mode == vtkVolumeMapper::ADDITIVE_BLEND)
-    make_additive(property->GetScalarOpacity(index), field.value_range(), &look);
+    make_additive(property->GetScalarOpacity(index), drawn.weight, field.value_range(), &look);
   return look;
 }
 

@@ -6,6 +6,7 @@
 #include "ovoid/image.h"
 #include "ovoid/look.h"
 #include "ovoid/math.h"
+#include "vtk_arrays.h"
 
 class vtkColorTransferFunction;
 class vtkPiecewiseFunction;
@@ -22,13 +23,15 @@ void take_colors(vtkColorTransferFunction* function, TransferFunction* tf);
 void take_grays(vtkPiecewiseFunction* function, TransferFunction* tf);
 std::vector<OpacityPoint> opacity_points(vtkPiecewiseFunction* function);
 
-// What a vtkVolumeProperty says of component `index`, drawn in `blend_mode` (vtkVolumeMapper's).
+// What a vtkVolumeProperty says of a component, drawn in `blend_mode` (vtkVolumeMapper's).
 // `field` sets the length over which VTK takes gradients: the mean of its three spacings. Of
 // MINIMUM_INTENSITY_BLEND the field must hold the negated values, and so do the look's points. Of
 // ADDITIVE_BLEND the look's opacities stand for what is added: show_sums() makes the picture of
-// theirs. Throws Error(kUnsupported) for blend modes and transfer functions that are not drawn,
-// kInvalidArgument for an isosurface without a value.
-Look look_of_property(vtkVolumeProperty* property, int index, int blend_mode, const Field& field);
+// theirs. The component's weight is a factor of all opacities. Throws Error(kUnsupported) for blend
+// modes and transfer functions that are not drawn, kInvalidArgument for an isosurface without a
+// value.
+Look look_of_property(vtkVolumeProperty* property, const DrawnComponent& drawn, int blend_mode,
+                      const Field& field);
 
 // Opacities of a frame as the sums that they stand for: gray, at most 1, as opaque as bright.
 void show_sums(Image* image);

@@ -31,6 +31,7 @@
 
 #include "grid_dataset.h"
 #include "ovoid/error.h"
+#include "ovoid/further_volumes.h"
 #include "ovoid/model.h"
 #include "ovoid/render_mesh.h"
 #include "placed_lattice.h"
@@ -131,20 +132,34 @@ void VolumePainter::make_field(vtkDataSet* data, const DrawnValues& drawn,
   auto* const points = vtkPointSet::SafeDownCast(data);
   Dataset dataset = points != nullptr ? point_set_dataset(points, drawn, world_from_data)
                                       : grid_dataset(data, drawn, world_from_data);
+  const std::size_t num_components = drawn.components.size();
+  if (num_components > 1 && dataset.kind != DatasetKind::kLattice) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("array '{}': {} independent components at uneven coordinates: one is "
+                            "drawn (SetComponentWeight 0 of the others, SetVectorMode)",
+                            dataset.arrays.front().name, num_components));
+  }
   FieldModelOptions options;
   options.kernels.is_density = dataset.arrays.empty();  // particles without values
   if (!dataset.arrays.empty()) {
     DataArray& array = dataset.arrays.front();
     if (key.is_negated) array.value_scale = -1;
     options.lattice.array = options.kernels.array = array.name;
-    options.lattice.component = options.kernels.component = drawn.component;
   }
   take_kernel(key.kernel, &options.lattice);
-  made_ = ovoid::make_field(dataset, options);
-  if (made_.value_range().is_empty()) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("array '{}': no value is a finite number", options.lattice.array));
-  }
+  const auto field_of = [&](const DrawnComponent& component) {
+    options.lattice.component = options.kernels.component = component.component;
+    Field field = ovoid::make_field(dataset, options);
+    if (field.value_range().is_empty()) {
+      throw Error(ErrorCode::kInvalidArgument,
+                  fmt::format("array '{}': no value is a finite number", options.lattice.array));
+    }
+    return field;
+  };
+  made_ = field_of(drawn.components.front());
+  made_further_.reserve(num_components - 1);
+  for (std::size_t i = 1; i < num_components; ++i)
+    made_further_.push_back(*field_of(drawn.components[i]).lattice());
   shared_bytes_ = shared_bytes_of(made_, dataset);
   const bool has_surface =
       dataset.kind == DatasetKind::kMesh || dataset.kind == DatasetKind::kBoxes;
@@ -157,6 +172,10 @@ void VolumePainter::place_field(const Affine3& world_from_data) {
   world_from_made_ = world_from_data;
   const LatticeField* const lattice = made_.lattice();
   field_ = lattice != nullptr ? Field(placed(*lattice, world_from_data)) : made_;
+  further_.clear();
+  further_.reserve(made_further_.size());
+  for (const LatticeField& further : made_further_)
+    further_.push_back(placed(further, world_from_data));
 }
 
 void VolumePainter::update_field(vtkDataSet* data, const DrawnValues& drawn,
@@ -167,7 +186,9 @@ void VolumePainter::update_field(vtkDataSet* data, const DrawnValues& drawn,
     if (drawn.array->HasStandardMemoryLayout()) key.values = drawn.array->GetVoidPointer(0);
     key.array_time = drawn.array->GetMTime();
   }
-  key.component = drawn.component;
+  key.components.reserve(drawn.components.size());
+  for (const DrawnComponent& component : drawn.components)
+    key.components.push_back(component.component);
   key.kernel = settings.kernel;
   key.is_negated = settings.blend_mode == vtkVolumeMapper::MINIMUM_INTENSITY_BLEND;
   key.shape = shape_of(data);
@@ -178,6 +199,7 @@ void VolumePainter::update_field(vtkDataSet* data, const DrawnValues& drawn,
   }
   key_.reset();
   made_ = field_ = Field();
+  made_further_.clear();
   make_field(data, drawn, world_from_data, key);
   place_field(world_from_data);
   key_ = std::move(key);
@@ -291,9 +313,48 @@ void VolumePainter::prepare(vtkVolume* volume, vtkDataSet* data, const MapperSet
 }
 
 double VolumePainter::field_distance(vtkVolume* volume, const MapperSettings& settings) const {
-  const Look look =
-      look_of_property(volume->GetProperty(), drawn_.property_index, settings.blend_mode, field_);
-  return sheet_distance(field_, look, {});
+  const auto distance_of = [&](std::size_t component, const Field& field) {
+    return sheet_distance(field,
+                          look_of_property(volume->GetProperty(), drawn_.components[component],
+                                           settings.blend_mode, field),
+                          {});
+  };
+  double distance = distance_of(0, field_);
+  for (std::size_t i = 0; i < further_.size(); ++i)
+    distance = std::min(distance, distance_of(i + 1, Field(further_[i])));
+  return distance;
+}
+
+Look VolumePainter::look_of(vtkRenderer* renderer, vtkVolume* volume, std::size_t component,
+                            const Field& field, const MapperSettings& settings) const {
+  Look look = look_of_property(volume->GetProperty(), drawn_.components[component],
+                               settings.blend_mode, field);
+  take_lights(renderer, field.world_bounds().center(), &look);
+  return look;
+}
+
+// VTK's sum of colours is nearest to what Mixing::kAdded shows, and in the modes maximum and
+// minimum the same. What ADDITIVE_BLEND adds are extinctions.
+void VolumePainter::add_further(vtkRenderer* renderer, vtkVolume* volume,
+                                const MapperSettings& settings, RenderOptions* options) const {
+  if (further_.empty()) return;
+  if (settings.blend_mode == vtkVolumeMapper::AVERAGE_INTENSITY_BLEND ||
+      settings.blend_mode == vtkVolumeMapper::ISOSURFACE_BLEND) {
+    const bool is_average = settings.blend_mode == vtkVolumeMapper::AVERAGE_INTENSITY_BLEND;
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("blend mode {}: {} independent components with a weight: one is drawn "
+                            "(SetComponentWeight 0 of the others, SetVectorMode)",
+                            is_average ? "average" : "isosurface", further_.size() + 1));
+  }
+  options->mixing =
+      settings.blend_mode == vtkVolumeMapper::ADDITIVE_BLEND ? Mixing::kAveraged : Mixing::kAdded;
+  std::vector<FurtherVolume> volumes;
+  volumes.reserve(further_.size());
+  for (std::size_t i = 0; i < further_.size(); ++i) {
+    volumes.push_back(
+        {further_[i], look_of(renderer, volume, i + 1, Field(further_[i]), settings)});
+  }
+  options->further = further_volumes(std::move(volumes));
 }
 
 const KernelSums& VolumePainter::field_sums(const MapperSettings& settings) {
@@ -328,12 +389,11 @@ void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* d
   prepare(volume, data, settings);
   const Affine3 world_from_data = matrix_of(volume);
   const Watch drawing;
-  Look look =
-      look_of_property(volume->GetProperty(), drawn_.property_index, settings.blend_mode, field_);
-  take_lights(renderer, field_.world_bounds().center(), &look);
+  const Look look = look_of(renderer, volume, 0, field_, settings);
   image_distance_ = distance;
   view_ = coarser(view_, distance);
   RenderOptions options = options_for(settings, world_from_data);
+  add_further(renderer, volume, settings, &options);
   add_limits(renderer, settings, world_from_data, look, &options);
   Frame frame = renderer_for(settings).render(field_, view_.camera, look, options);
   times_.renderer += 1e-3 * frame.profile.frame_ms;
@@ -349,7 +409,9 @@ void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* d
 
 std::int64_t VolumePainter::field_bytes() const {
   if (made_.is_empty()) return 0;
-  return static_cast<std::int64_t>(made_.resident_bytes()) - shared_bytes_;
+  std::size_t bytes = made_.resident_bytes();
+  for (const LatticeField& further : made_further_) bytes += Field(further).resident_bytes();
+  return static_cast<std::int64_t>(bytes) - shared_bytes_;
 }
 
 void draw_or_tell(const std::function<void()>& draw, const std::function<void(const char*)>& tell) {

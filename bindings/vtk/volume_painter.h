@@ -88,7 +88,7 @@ class VolumePainter {
     const void* array = nullptr;
     const void* values = nullptr;
     std::uint64_t array_time = 0;
-    int component = 0;
+    std::vector<int> components;
     int kernel = 0;
     bool is_negated = false;    // for the least values, which are the greatest of the negated
     std::vector<double> shape;  // geometry, or the times of what says it
@@ -100,6 +100,11 @@ class VolumePainter {
   void make_field(vtkDataSet* data, const DrawnValues& drawn, const Affine3& world_from_data,
                   const FieldKey& key);
   void place_field(const Affine3& world_from_data);
+  // Of the component of drawn_ that `field` is of, lit as the renderer says.
+  Look look_of(vtkRenderer* renderer, vtkVolume* volume, std::size_t component, const Field& field,
+               const MapperSettings& settings) const;
+  void add_further(vtkRenderer* renderer, vtkVolume* volume, const MapperSettings& settings,
+                   RenderOptions* options) const;
   Renderer& renderer_for(const MapperSettings& settings);
   RenderOptions options_for(const MapperSettings& settings, const Affine3& world_from_data) const;
   void add_limits(vtkRenderer* renderer, const MapperSettings& settings,
@@ -112,6 +117,9 @@ class VolumePainter {
   DrawnValues drawn_;  // of the last data
   Field made_;         // where the data have it
   Field field_;        // in the world
+  // Of the second component that is drawn, the third ...: likewise.
+  std::vector<LatticeField> made_further_;
+  std::vector<LatticeField> further_;
   Affine3 world_from_made_ = Affine3::Identity();
   std::shared_ptr<const Surface> surface_;  // of a mesh; or null
   std::uint64_t field_time_ = 0;

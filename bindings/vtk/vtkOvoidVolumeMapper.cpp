@@ -23,8 +23,8 @@ vtkOvoidVolumeMapper::~vtkOvoidVolumeMapper() = default;
 void vtkOvoidVolumeMapper::WithSettings(
     const std::function<void(const ovoid::mappers::MapperSettings&)>& use) {
   ovoid::mappers::MapperSettings settings;
-  settings.arrays = {this->ScalarMode, this->ArrayAccessMode, this->ArrayId,
-                     this->ArrayName,  this->VectorMode,      this->VectorComponent};
+  settings.arrays = {this->ScalarMode, this->ArrayAccessMode, this->ArrayId, this->ArrayName,
+                     this->VectorMode, this->VectorComponent, true};
   settings.kernel = this->Kernel;
   settings.blend_mode = this->BlendMode;
   settings.backend = this->Backend;

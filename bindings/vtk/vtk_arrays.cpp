@@ -16,6 +16,7 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "ovoid/error.h"
 #include "ovoid/model.h"
@@ -61,28 +62,35 @@ std::string name_of_array(vtkDataArray* array) {
                           array_names(data->GetPointData()), array_names(data->GetCellData())));
 }
 
-// The one component that the property gives weight, if they are independent.
-int weighted_component(vtkDataArray* array, vtkVolumeProperty* property) {
+// The components that the property gives weight, if they are independent.
+std::vector<DrawnComponent> weighted_components(vtkDataArray* array, bool takes_several,
+                                                vtkVolumeProperty* property) {
   const int count = array->GetNumberOfComponents();
   const std::string name = name_of_array(array);
   if (property->GetIndependentComponents() == 0) {
     throw Error(ErrorCode::kUnsupported,
-                fmt::format("array '{}': {} dependent components: one number is drawn "
-                            "(SetVectorModeToComponent, SetVectorModeToMagnitude)",
+                fmt::format("array '{}': {} dependent components: are not drawn "
+                            "(IndependentComponentsOn, SetVectorMode)",
                             name, count));
   }
-  int chosen = -1;
+  std::vector<DrawnComponent> chosen;
   for (int i = 0; i < std::min(count, VTK_MAX_VRCOMP); ++i) {
-    if (!(property->GetComponentWeight(i) > 0)) continue;
-    if (chosen >= 0) {
-      throw Error(ErrorCode::kUnsupported,
-                  fmt::format("array '{}': {} independent components with a weight: one is drawn "
-                              "(SetComponentWeight 0 of the others, SetVectorMode)",
-                              name, count));
-    }
-    chosen = i;
+    const double weight = property->GetComponentWeight(i);
+    if (weight > 0) chosen.push_back({i, i, weight});
   }
-  if (chosen < 0) {
+  if (chosen.size() > 1 && !takes_several) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("array '{}': {} independent components with a weight: one is drawn "
+                            "(SetComponentWeight 0 of the others, SetVectorMode)",
+                            name, chosen.size()));
+  }
+  if (chosen.size() > 1 && count > VTK_MAX_VRCOMP) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("array '{}': {} independent components: at most {} are drawn at once "
+                            "(SetComponentWeight 0 of all but one, SetVectorMode)",
+                            name, count, VTK_MAX_VRCOMP));
+  }
+  if (chosen.empty()) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("array '{}': no component has a weight > 0", name));
   }
@@ -176,16 +184,16 @@ DrawnValues drawn_values(vtkDataSet* data, const ArrayChoice& choice, vtkVolumeP
   const int count = drawn.array->GetNumberOfComponents();
   if (count == 1) return drawn;  // a number's sign is no direction
   if (choice.vector_mode == 0) {
-    drawn.component = LatticeModelOptions::kMagnitude;
+    drawn.components.front().component = LatticeModelOptions::kMagnitude;
   } else if (choice.vector_mode == 1) {
     if (choice.vector_component >= count) {
       throw Error(ErrorCode::kInvalidArgument,
                   fmt::format("VectorComponent = {}: array '{}' has {} components",
                               choice.vector_component, name, count));
     }
-    drawn.component = choice.vector_component;
+    drawn.components.front().component = choice.vector_component;
   } else {
-    drawn.component = drawn.property_index = weighted_component(drawn.array, property);
+    drawn.components = weighted_components(drawn.array, choice.takes_several, property);
   }
   return drawn;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "ovoid/dataset.h"
 
@@ -28,19 +29,26 @@ struct ArrayChoice {
   const char* array_name = nullptr;
   int vector_mode = -1;
   int vector_component = 0;
+  bool takes_several = false;  // independent components at once
+};
+
+struct DrawnComponent {
+  int component = 0;       // of the tuples; LatticeModelOptions::kMagnitude: their length
+  int property_index = 0;  // of the component whose functions of a vtkVolumeProperty count
+  double weight = 1;       // in (0, 1], of its opacities
 };
 
 struct DrawnValues {
   vtkDataArray* array = nullptr;  // null: none is active, and the places alone are drawn
   bool is_cell_data = false;
-  int component = 0;       // of the tuples; LatticeModelOptions::kMagnitude: their length
-  int property_index = 0;  // of the component whose functions of a vtkVolumeProperty count
+  std::vector<DrawnComponent> components{DrawnComponent{}};  // one; of takes_several, up to four
 };
 
 // No array for vtkPointSets whose mapper asks for the usual scalars and that have none: particles
 // may be drawn without. Throws Error: kInvalidArgument that names the arrays where none is active
 // or the chosen one is not there, or a component that the tuples do not have; kUnsupported for
-// several components at once.
+// dependent components, and for several at once where the choice does not take them, or of tuples
+// of more than the four that a vtkVolumeProperty knows.
 DrawnValues drawn_values(vtkDataSet* data, const ArrayChoice& choice, vtkVolumeProperty* property);
 
 }  // namespace ovoid::mappers

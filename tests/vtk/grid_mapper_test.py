@@ -11,7 +11,7 @@ from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction, vtkPlane, vtkRectilinearGrid
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkFiltersSources import vtkPlaneSource
-from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkLight, vtkVolumeProperty
+from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkLight
 from vtkmodules.vtkRenderingVolume import vtkGPUVolumeRayCastMapper
 
 
@@ -379,51 +379,6 @@ class Memory(MapperCase):
         scene.draw()
         self.assertEqual(scene.errors, [])
         self.assertEqual(scene.mapper.GetFieldTime(), made)
-
-
-class Components(MapperCase):
-    def setUp(self):
-        super().setUp()
-        self.several, _ = image_of(np.stack([0 * self.values, self.values, 2 * self.values], axis=3))
-
-    def test_the_one_with_a_weight(self):
-        prop = vtkVolumeProperty()
-        single = property_of()
-        prop.SetColor(1, single.GetRGBTransferFunction())
-        prop.SetScalarOpacity(1, single.GetScalarOpacity())
-        prop.SetShade(1, 1)
-        prop.SetComponentWeight(0, 0)
-        prop.SetComponentWeight(2, 0)
-        drawn = Scene(self.several, prop).draw()
-        self.assert_shows(drawn)
-        self.assert_like(drawn, Scene(self.image, single).draw(), EXACT)
-
-    def test_vector_modes(self):
-        scene = Scene(self.several, property_of())
-        scene.mapper.SetVectorMode(scene.mapper.COMPONENT)
-        scene.mapper.SetVectorComponent(1)
-        expected = Scene(self.image, property_of()).draw()
-        self.assert_like(scene.draw(), expected, EXACT)
-        scene.mapper.SetVectorMode(scene.mapper.MAGNITUDE)
-        scaled = property_of(scale=np.sqrt(5))
-        scene.volume.SetProperty(scaled)
-        self.assert_like(scene.draw(), expected, TRANSLUCENT)
-
-    def test_magnitude_of_one(self):
-        """Is the number itself, not its absolute value."""
-        image, _ = image_of(-self.values)
-        prop = property_of(colors=[(-x, *rgb) for x, *rgb in reversed(COLORS)], opacities=[(-x, y) for x, y in reversed(SHELL)])
-        scene = Scene(image, prop)
-        expected = scene.draw()
-        self.assert_shows(expected)
-        scene.mapper.SetVectorMode(scene.mapper.MAGNITUDE)
-        self.assert_like(scene.draw(), expected, 0)
-
-    def test_several_at_once(self):
-        self.assert_error(Scene(self.several, property_of()), "values", "3 independent components")
-        prop = property_of()
-        prop.IndependentComponentsOff()
-        self.assert_error(Scene(self.several, prop), "values", "dependent components")
 
 
 class Functions(MapperCase):

@@ -2,7 +2,6 @@
 """Drawing: once, or data that are kept between frames."""
 import logging
 import os
-import shutil
 
 from . import _core, _settings, _state
 from ._beside import Beside
@@ -414,6 +413,7 @@ def animate(pictures, path, fps=25, *, camera_path=None, frames=None, **settings
     >>> keys = [{"frame": 0}, {"frame": 3, "azimuth": 90, "zoom": 2}]
     >>> ovoid.animate(data, "turn.gif", camera_path=keys, size=(64, 48))
     """
+    import shutil  # not above: it loads the system's libbz2 before the package its own
     import tempfile
 
     try:

@@ -298,6 +298,7 @@ Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOp
   if (dataset.times.empty() && dataset.num_steps == 1 && parts.front().time)
     dataset.times.push_back(*parts.front().time);
   std::vector<PartOutline> outlines;
+  outlines.reserve(parts.size());
   for (const MeshPart& part : parts) outlines.push_back(outline_of(part));
   std::vector<MeshPart> chosen;
   std::vector<PartOutline> chosen_outlines;

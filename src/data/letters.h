@@ -42,6 +42,7 @@ inline KernelTeam::Letters letters_of(const RowLists& lists, std::size_t row_byt
 template <class T>
 void append_rows(KernelTeam::Letters& letters, const RowLists& lists, std::size_t width,
                  const std::vector<T>& column) {
+  if (width == 0) return;
   for (std::size_t p = 0; p < lists.size(); ++p) {
     Letter& letter = letters[p];
     std::size_t to = letter.size();

@@ -44,7 +44,7 @@ std::string bytes_of(const std::vector<T>& values) {
 template <typename T>
 std::vector<T> values_of(const DataArray& array) {
   std::vector<T> values(array.bytes.view.size() / sizeof(T));
-  std::memcpy(values.data(), array.bytes.view.data(), array.bytes.view.size());
+  if (!values.empty()) std::memcpy(values.data(), array.bytes.view.data(), array.bytes.view.size());
   return values;
 }
 

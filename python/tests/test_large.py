@@ -44,7 +44,7 @@ def own_folder(tmp_path, monkeypatch):
 
 
 def stayed(picture):
-    return any("stay in their file" in note for note in picture.notes)
+    return any("are read from a file" in note for note in picture.notes)
 
 
 @pytest.mark.parametrize("order", ["<", ">"])

@@ -89,7 +89,7 @@ class MemorySteps final : public StepSource {
       for (const DataArray& array : steps_[i]->arrays) {
         if (array.stored == nullptr) continue;
         throw Error(ErrorCode::kUnsupported,
-                    fmt::format("{}: step {}: the samples of array '{}' stay in their file, which "
+                    fmt::format("{}: step {}: the samples of array '{}' are in a file, which "
                                 "steps in memory cannot; expected the file's name",
                                 name_, i, array.name));
       }

@@ -188,7 +188,7 @@ LatticeField field_of_relevant(const TakenSamples& taken, const LatticeModelOpti
   return {lattice, kernel, options.reconstruction, range};
 }
 
-// Of samples that stay in their file: by a kernel that needs no coefficients of all of them.
+// Of samples in a file: by a kernel that needs no coefficients of all of them.
 LatticeField field_of_stored(const DataArray& array, const LatticeGeometry& geometry,
                              const LatticeModelOptions& options, LatticeModelReport* report,
                              int threads, const std::stop_token& stop) {
@@ -223,7 +223,8 @@ LatticeField field_of_stored(const DataArray& array, const LatticeGeometry& geom
                static_cast<std::size_t>(array.stored->num_bytes()),
                {}};
     report->notes.push_back(fmt::format(
-        "array '{}': {} samples stay in their file, as memory is for {:.3g} GiB of them; kernel {}",
+        "array '{}': {} samples are read from a file when they are needed, as memory is for {:.3g} "
+        "GiB of them; kernel {}",
         array.name, array.num_tuples,
         static_cast<double>(array.stored->memory_for_pages()) / (1 << 30), name_of(kernel.kind)));
   }

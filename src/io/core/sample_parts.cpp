@@ -12,6 +12,7 @@
 #include "io/core/memory.h"
 #include "io/core/samples.h"
 #include "io/core/samples_in_file.h"
+#include "io/core/temporary_file.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -92,6 +93,20 @@ class StepReader {
     append_other_planes(samples);
   }
 
+  // To a temporary file, a few MiB at a time.
+  std::shared_ptr<const StoredSamples> unpack(std::int64_t step, const ReadOptions& options) {
+    constexpr std::int64_t kWindow = std::int64_t{4} << 20;
+    TemporaryFile file(parts_.each.header, layout_.num_bytes);
+    stream_.skip(step * layout_.num_bytes);
+    SampleBuffer window;
+    for (std::int64_t at = 0; at < layout_.num_bytes; at += window.size()) {
+      window.shrink(window.size());
+      append_samples(std::min(kWindow, layout_.num_bytes - at), window);
+      file.write(at, window.bytes());
+    }
+    return samples_unpacked(file.finish(), layout_.type, options);
+  }
+
   // Reads the first that varies, in one pass over the file.
   std::optional<std::int64_t> find(SampleBuffer& samples) {
     for (std::int64_t step = 0; step < layout_.num_steps; ++step) {
@@ -106,9 +121,11 @@ class StepReader {
   }
 
  private:
-  void append_plane(SampleBuffer& samples) {
+  void append_plane(SampleBuffer& samples) { append_samples(plane_bytes(), samples); }
+
+  void append_samples(std::int64_t num_bytes, SampleBuffer& samples) {
     const auto begin = static_cast<std::size_t>(samples.size());
-    stream_.append(plane_bytes(), samples);
+    stream_.append(num_bytes, samples);
     const bool is_native_big = std::endian::native == std::endian::big;
     if (parts_.encoding != Encoding::kText && layout_.is_big_endian != is_native_big)
       swap_bytes(samples.bytes().subspan(begin), size_of(layout_.type));
@@ -135,6 +152,19 @@ class StepReader {
   PartsStream stream_;
 };
 
+// A step of raw samples, where it is.
+std::shared_ptr<const StoredSamples> step_in_file(const SampleParts& parts,
+                                                  const StepLayout& layout, std::int64_t step,
+                                                  const ReadOptions& options) {
+  const SamplePart part = parts.open(0);
+  const std::int64_t first = parts.each.num_skipped < 0 ? part.source->size() - parts.each.num_bytes
+                                                        : part.offset + parts.each.num_skipped;
+  return samples_in_file(
+      *part.source,
+      {layout.type, layout.is_big_endian, first + step * layout.num_bytes, layout.num_bytes},
+      options);
+}
+
 // [num_components, num_samples] to [num_samples, num_components].
 Bytes interleave(SampleBuffer& planar, std::size_t sample_size, std::int64_t num_components) {
   SampleBuffer samples;
@@ -158,18 +188,13 @@ StepSamples read_step(const SampleParts& parts, const StepLayout& layout,
   ReadProgress progress(options, check_parts(parts, options));
   const bool is_planar = layout.order == StepLayout::Order::kPlanar && layout.num_components > 1;
   const bool is_chosen = options.step || layout.num_steps == 1;
-  if (is_chosen && parts.count == 1 && parts.encoding == Encoding::kRaw &&
-      layout.num_components == 1 && stays_in_file(layout.type, layout.num_bytes, options)) {
+  if (is_chosen && layout.num_components == 1 &&
+      stays_in_file(layout.type, layout.num_bytes, options)) {
     const std::int64_t step = options.step.value_or(0);
-    const SamplePart part = parts.open(0);
-    const std::int64_t first = parts.each.num_skipped < 0
-                                   ? part.source->size() - parts.each.num_bytes
-                                   : part.offset + parts.each.num_skipped;
+    const bool is_there = parts.count == 1 && parts.encoding == Encoding::kRaw;
     return {{},
-            samples_in_file(*part.source,
-                            {layout.type, layout.is_big_endian, first + step * layout.num_bytes,
-                             layout.num_bytes},
-                            options),
+            is_there ? step_in_file(parts, layout, step, options)
+                     : StepReader(parts, layout, progress, notes).unpack(step, options),
             step};
   }
   // Planes are put together in memory of their own.

@@ -53,8 +53,9 @@ struct StepSamples {
 // Reads options.step, or the first step whose samples (planar: of the first component) vary, which
 // is told in a note; the first if none does. Other steps of raw data are not read. All parts are
 // looked at before memory is taken: a missing one is found at once. Where memory does not hold the
-// step and options say so, it stays in its file. Peak memory is the step, twice
-// if it is planar. Throws Error(kFileFormat), Error(kInvalidArgument) for a step that is not there.
+// step and options say so, it stays in its file, or goes to a temporary one where it is packed or
+// in several files. Peak memory is otherwise the step, twice if it is planar. Throws
+// Error(kFileFormat), Error(kInvalidArgument) for a step that is not there.
 StepSamples read_step(const SampleParts& parts, const StepLayout& layout,
                       const ReadOptions& options, std::vector<std::string>& notes);
 

@@ -148,6 +148,15 @@ std::shared_ptr<const StoredSamples> samples_in_file(const ByteSource& source,
       memory_for_pages(options));
 }
 
+std::shared_ptr<const StoredSamples> samples_unpacked(std::unique_ptr<ByteSource> file,
+                                                      ScalarType type, const ReadOptions& options) {
+  StoredPlace place;
+  place.type = type;
+  place.is_big_endian = std::endian::native == std::endian::big;
+  place.num_bytes = file->size();
+  return std::make_shared<SamplesInFile>(std::move(file), 0, place, memory_for_pages(options));
+}
+
 std::shared_ptr<const StoredSamples> samples_told(const StoredPlace& place) {
   return std::make_shared<SamplesTold>(place);
 }

@@ -12,9 +12,9 @@
 
 namespace ovoid::io {
 
-// Whether samples of one component, which lie in one file, are left there: if they may be, a
-// lattice can show them as they are, and a field of them, with coefficients, would take most of the
-// memory that is left.
+// Whether samples of one component are left in a file, their own or a temporary one: if they may
+// be, a lattice can show them as they are, and a field of them, with coefficients, would take most
+// of the memory that is left.
 bool stays_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& options);
 
 // How much of samples that stay in their file may be kept in memory: a quarter of what is left,
@@ -52,6 +52,10 @@ struct StoredPlace {
 std::shared_ptr<const StoredSamples> samples_in_file(const ByteSource& source,
                                                      const StoredPlace& place,
                                                      const ReadOptions& options);
+
+// Samples of native byte order that a reader has unpacked to a file, from its front to its end.
+std::shared_ptr<const StoredSamples> samples_unpacked(std::unique_ptr<ByteSource> file,
+                                                      ScalarType type, const ReadOptions& options);
 
 // What a reader's process tells its host: nobody can read them. stored_place() is for these alone.
 std::shared_ptr<const StoredSamples> samples_told(const StoredPlace& place);

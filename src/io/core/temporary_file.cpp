@@ -19,6 +19,12 @@ TemporaryFile::TemporaryFile(std::string name, std::int64_t num_bytes)
     : name_(std::move(name)), num_bytes_(num_bytes) {
   std::error_code error;
   const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
+  if (error) {
+    const char* const told = std::getenv("TMPDIR");
+    throw Error(ErrorCode::kFileWrite,
+                fmt::format("{}: no temporary file in '{}', where TMPDIR says: it is no folder",
+                            name_, told != nullptr ? told : "/tmp"));
+  }
   folder_ = folder.string();
   const auto space = std::filesystem::space(folder, error);
   if (!error && static_cast<double>(space.available) < static_cast<double>(num_bytes)) {

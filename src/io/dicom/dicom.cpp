@@ -15,9 +15,10 @@
 
 #include "data/names_text.h"
 #include "data/scalar_visit.h"
-#include "io/core/memory.h"
 #include "io/core/samples.h"
+#include "io/core/samples_in_file.h"
 #include "io/core/signatures.h"
+#include "io/core/unpacked_samples.h"
 #include "io/dicom/dicom_codec.h"
 #include "io/dicom/dicom_file.h"
 #include "io/dicom/dicom_pixels.h"
@@ -80,7 +81,11 @@ class DicomReader {
     dataset_.notes = left_out_.notes(source_);
     describe(chosen);
     DicomVolume volume = place_dicom_group(files_, std::move(groups_[chosen]));
-    if (needs_foreign_decoder(volume)) return read_foreign("DICOM", source_, names, options_);
+    if (needs_foreign_decoder(volume)) {
+      ReadOptions in_memory = options_;  // the process that decodes may not write
+      in_memory.may_stay_in_file = false;
+      return read_foreign("DICOM", source_, names, in_memory);
+    }
     finish(volume);
     return std::move(dataset_);
   }
@@ -291,11 +296,11 @@ class DicomReader {
     }
     const std::int64_t first = step;
     for (;; ++step) {
-      array_.bytes = read_step(volume, volume.steps[static_cast<std::size_t>(step)]);
+      read_step(volume, volume.steps[static_cast<std::size_t>(step)]);
       if (options_.step || num_steps == 1 || varies()) break;
       if (step + 1 < num_steps) continue;
       step = first;  // none does
-      array_.bytes = read_step(volume, volume.steps[static_cast<std::size_t>(step)]);
+      read_step(volume, volume.steps[static_cast<std::size_t>(step)]);
       break;
     }
     dataset_.step = step;
@@ -309,43 +314,46 @@ class DicomReader {
            std::memcmp(bytes.data(), bytes.data() + size, bytes.size() - size) != 0;
   }
 
-  Bytes read_step(const DicomVolume& volume, const std::vector<DicomFrame>& slices) {
+  void read_step(const DicomVolume& volume, const std::vector<DicomFrame>& slices) {
     const std::int64_t num_bytes =
         checked_num_bytes(source_ + ": its volume", volume.lattice.dims, array_.type);
     const std::int64_t slice_bytes = num_bytes / volume.lattice.dims[2];
-    require_memory(fmt::format("{}: {}", source_, layout_text(volume.lattice.dims, array_.type)),
-                   num_bytes);
-    SampleBuffer samples;
+    const bool is_chosen = options_.step || volume.steps.size() == 1;
+    UnpackedSamples samples(
+        fmt::format("{}: {}", source_, layout_text(volume.lattice.dims, array_.type)), num_bytes,
+        is_chosen && stays_in_file(array_.type, num_bytes, options_));
     // What a native file states has been compared with its size; a stream says little by its own.
-    if (!files_[slices[0].file].is_encapsulated) samples.reserve(num_bytes);
+    if (!files_[slices[0].file].is_encapsulated) samples.reserve();
     ReadProgress progress(options_, num_bytes);
     SharedSource data;
     std::size_t open_file = DicomFrame::kMissing;
     for (const DicomFrame& frame : slices) {
-      if (frame.file == DicomFrame::kMissing) {
-        fill_missing(samples.extend(slice_bytes, num_bytes));
-      } else {
-        if (frame.file != open_file) data = data_of(frame.file);
+      if (frame.file != DicomFrame::kMissing && frame.file != open_file) {
+        data = data_of(frame.file);
         open_file = frame.file;
-        read_slice(*data, frame, slice_bytes, num_bytes, samples);
       }
+      samples.append(slice_bytes, [&](std::span<std::byte> slice) {
+        if (frame.file == DicomFrame::kMissing)
+          fill_missing(slice);
+        else
+          read_slice(*data, frame, slice);
+      });
       progress.advance(slice_bytes);
     }
-    return samples.release();
+    samples.release(options_, &array_);
   }
 
-  void read_slice(const ByteSource& data, const DicomFrame& frame, std::int64_t slice_bytes,
-                  std::int64_t num_bytes, SampleBuffer& samples) {
+  void read_slice(const ByteSource& data, const DicomFrame& frame, std::span<std::byte> out) {
     const DicomFile& file = files_[frame.file];
     if (!stores_values_) {
-      read_dicom_frame(data, file, frame.frame, samples.extend(slice_bytes, num_bytes));
+      read_dicom_frame(data, file, frame.frame, out);
       return;
     }
     stored_.resize(static_cast<std::size_t>(file.frame_bytes()));
     read_dicom_frame(data, file, frame.frame, stored_);
     const DicomPlane& plane = plane_of(frame);
     const double slope = plane.slope.value_or(1), intercept = plane.intercept.value_or(0);
-    std::byte* const to = samples.extend(slice_bytes, num_bytes).data();
+    std::byte* const to = out.data();
     data::visit_scalar(file.scalar_type(), [&]<class From>(std::type_identity<From>) {
       const auto count = static_cast<std::int64_t>(stored_.size() / sizeof(From));
       for (std::int64_t i = 0; i < count; ++i) {

@@ -3,17 +3,15 @@
 
 #include <fmt/format.h>
 
-#include <bit>
 #include <charconv>
 #include <filesystem>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "io/core/atomic_file.h"
-#include "io/core/decode.h"
-#include "io/core/memory.h"
+#include "io/core/sample_parts.h"
 #include "io/core/samples.h"
-#include "io/core/samples_in_file.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -95,30 +93,30 @@ Dataset read_raw(const ByteSource& source, const ReadOptions& options) {
                                         source.name(), dims_text(*from_name.dims),
                                         dims_text(*dims)));
   }
-  if (!is_gzip && stays_in_file(*type, num_bytes, options)) {
-    dataset.arrays.push_back({"values", *type, 1, num_samples(*dims), "", false, {}});
-    dataset.arrays.back().stored =
-        samples_in_file(source, {*type, options.raw.big_endian, 0, num_bytes}, options);
-    return dataset;
-  }
-  SampleBuffer samples;
-  ReadProgress progress(options, source.size());
+  StepLayout layout;
+  layout.num_bytes = num_bytes;
+  layout.type = *type;
+  layout.is_big_endian = options.raw.big_endian;
+  SampleParts parts;
+  parts.encoding = is_gzip ? Encoding::kGzip : Encoding::kRaw;
+  parts.each = {num_bytes, 0, *type, source.name(), layout_text(*dims, *type)};
+  parts.open = [&source](std::int64_t) {
+    SamplePart part;
+    part.source = &source;
+    return part;
+  };
+  ReadOptions step_options = options;
+  step_options.step.reset();  // a file without a header has one
   std::vector<std::string> behind;
-  const WantedSamples wanted{num_bytes, 0, *type, source.name(), layout_text(*dims, *type)};
-  const auto stream =
-      open_samples(source, 0, is_gzip ? Encoding::kGzip : Encoding::kRaw, wanted, progress);
-  require_memory(fmt::format("{}: {}", source.name(), wanted.layout), num_bytes);
-  if (!is_gzip) samples.reserve(num_bytes);
-  stream->append(num_bytes, samples);
-  stream->finish(behind);
+  StepSamples samples = read_step(parts, layout, step_options, behind);
   if (!behind.empty()) {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: holds more than the {} bytes that {} needs", source.name(),
-                            num_bytes, wanted.layout));
+                            num_bytes, parts.each.layout));
   }
-  if (options.raw.big_endian != (std::endian::native == std::endian::big))
-    swap_bytes(samples.bytes(), size_of(*type));
-  dataset.arrays.push_back({"values", *type, 1, num_samples(*dims), "", false, samples.release()});
+  dataset.arrays.push_back(
+      {"values", *type, 1, num_samples(*dims), "", false, std::move(samples.bytes)});
+  dataset.arrays.back().stored = std::move(samples.stored);
   return dataset;
 }
 

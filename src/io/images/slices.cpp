@@ -15,9 +15,10 @@
 #include <utility>
 
 #include "data/parallel.h"
-#include "io/core/memory.h"
 #include "io/core/samples.h"
+#include "io/core/samples_in_file.h"
 #include "io/core/signatures.h"
+#include "io/core/unpacked_samples.h"
 #include "io/dicom/dicom.h"
 #include "io/images/slice_names.h"
 #include "io/images/slice_pictures.h"
@@ -107,8 +108,7 @@ class SliceVolume {
                             static_cast<std::int64_t>(paths_.size())};
     place(dataset);
     DataArray array{"values", shapes_[0].type, 1, num_samples(dataset.lattice.dims), "", false, {}};
-    array.bytes = samples();
-    array.num_components = has_colours_ ? 3 : 1;
+    take_samples(&array);
     if (has_colours_) {
       dataset.notes.push_back(fmt::format(
           "{}: its slices are coloured: red, green and blue are three components", source_));
@@ -149,16 +149,16 @@ class SliceVolume {
                    dataset.lattice.world_from_index);
   }
 
-  Bytes samples() {
+  void take_samples(DataArray* array) {
     SliceShape whole = shapes_[0];
     whole.num_components = has_colours_ ? 3 : 1;
     const std::int64_t total = checked_num_bytes(
         source_ + ": size",
         std::array{whole.width, whole.height, static_cast<std::int64_t>(paths_.size())}, whole.type,
         whole.num_components);
-    require_memory(source_, total);
-    SampleBuffer buffer;
-    const std::span<std::byte> out = buffer.extend(total, total);
+    UnpackedSamples samples(source_, total,
+                            !has_colours_ && stays_in_file(whole.type, total, options_));
+    samples.make_room();
     // Unpacking takes longer than reading. Progress is told by this thread, after each batch.
     constexpr std::int64_t kBatch = 64;
     ReadProgress progress(options_, num_file_bytes_);
@@ -170,21 +170,23 @@ class SliceVolume {
       plan.threads = std::max(1, data::resolve_threads(0) / std::max(1, options_.processes_beside));
       data::parallel_ranges(plan, [&](std::int64_t from, std::int64_t to) {
         for (std::int64_t i = begin + from; i < begin + to; ++i) {
-          const auto place = out.subspan(static_cast<std::size_t>(i * whole.num_bytes()),
-                                         static_cast<std::size_t>(whole.num_bytes()));
           const auto source = open_file(paths_[static_cast<std::size_t>(i)]);
-          if (read_one(*source, shapes_[static_cast<std::size_t>(i)], place)) is_coloured = true;
+          samples.put(i * whole.num_bytes(), whole.num_bytes(), [&](std::span<std::byte> place) {
+            if (read_one(*source, shapes_[static_cast<std::size_t>(i)], place)) is_coloured = true;
+          });
           num_read += source->size();
         }
       });
       progress.advance(num_read);
     }
     if (has_colours_ && !is_coloured) {
+      SampleBuffer& buffer = samples.memory();
       keep_first_of_three(buffer.bytes(), size_of(whole.type));
       buffer.shrink(buffer.size() / 3 * 2);
       has_colours_ = false;
     }
-    return buffer.release();
+    array->num_components = has_colours_ ? 3 : 1;
+    samples.release(options_, array);
   }
 
   // One slice to its place in the volume. Is a pixel of it coloured?

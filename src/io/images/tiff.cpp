@@ -11,9 +11,10 @@
 
 #include "data/bookkeeping.h"
 #include "data/parallel.h"
-#include "io/core/memory.h"
 #include "io/core/sample_parts.h"
 #include "io/core/samples.h"
+#include "io/core/samples_in_file.h"
+#include "io/core/unpacked_samples.h"
 #include "io/images/tiff_blocks.h"
 #include "io/images/tiff_description.h"
 #include "io/images/tiff_file.h"
@@ -246,7 +247,9 @@ class TiffVolume {
     const std::int64_t total =
         checked_num_bytes(source_.name() + ": size", sizes, page.type, page.num_components);
     check_file_holds(total);
-    require_memory(source_.name(), total);
+    const bool is_chosen = options_.step || stack_.num_frames == 1;
+    const bool are_in_file =
+        is_chosen && page.num_components == 1 && stays_in_file(page.type, total, options_);
     ReadProgress progress(options_, total);
     for (const std::int64_t channel : channels) {
       DataArray array{array_name(channel),
@@ -258,7 +261,9 @@ class TiffVolume {
                       {}};
       if (!stack_.channels.empty())
         array.display = stack_.channels[static_cast<std::size_t>(channel)].display;
-      array.bytes = planes(channel, frame, page.num_bytes(), progress);
+      UnpackedSamples samples(source_.name(), page.num_bytes() * stack_.num_slices, are_in_file);
+      read_planes(channel, frame, progress, &samples);
+      samples.release(options_, &array);
       dataset_.arrays.push_back(std::move(array));
     }
   }
@@ -274,11 +279,10 @@ class TiffVolume {
                                         page.type, page.num_components)));
   }
 
-  Bytes planes(std::int64_t channel, std::int64_t frame, std::int64_t page_bytes,
-               ReadProgress& progress) const {
-    SampleBuffer buffer;
-    const std::int64_t num_bytes = page_bytes * stack_.num_slices;
-    const std::span<std::byte> out = buffer.extend(num_bytes, num_bytes);
+  void read_planes(std::int64_t channel, std::int64_t frame, ReadProgress& progress,
+                   UnpackedSamples* samples) const {
+    const std::int64_t page_bytes = file_.pages()[0].num_bytes();
+    samples->make_room();
     // Unpacking takes longer than reading. Progress is told by this thread, after each batch.
     constexpr std::int64_t kBatch = 64;
     for (std::int64_t begin = 0; begin < stack_.num_slices; begin += kBatch) {
@@ -286,14 +290,13 @@ class TiffVolume {
       plan.threads = std::max(1, data::resolve_threads(0) / std::max(1, options_.processes_beside));
       data::parallel_ranges(plan, [&](std::int64_t from, std::int64_t to) {
         for (std::int64_t z = begin + from; z < begin + to; ++z) {
-          const auto place = out.subspan(static_cast<std::size_t>(z * page_bytes),
-                                         static_cast<std::size_t>(page_bytes));
-          read_plane(stack_.page(z, channel, frame), place);
+          samples->put(z * page_bytes, page_bytes, [&](std::span<std::byte> place) {
+            read_plane(stack_.page(z, channel, frame), place);
+          });
         }
       });
       progress.advance(plan.count * page_bytes);
     }
-    return buffer.release();
   }
 
   void read_plane(std::int64_t number, std::span<std::byte> out) const {

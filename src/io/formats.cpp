@@ -213,8 +213,8 @@ std::vector<Format> images() {
 std::vector<Format> grids() {
   return {
       {.name = "VTK XML",
-       .endings = {".vti", ".vtr", ".vts", ".vtu", ".vtp", ".vtm", ".vth", ".vthb", ".pvtu",
-                   ".pvts", ".pvtr", ".pvtp", ".pvd"},
+       .endings = {".vti", ".vtr", ".vts", ".vtu", ".vtp", ".vtm", ".vth", ".vthb", ".pvti",
+                   ".pvtr", ".pvts", ".pvtu", ".pvtp", ".pvd"},
        .begins = begins_like_vtk_xml,
        .library = "VTK",
        .companions = vtk_xml_companions,

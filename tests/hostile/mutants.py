@@ -256,6 +256,12 @@ def seeds(folder, program):
         'NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="0">'
         f'<PointData>{array(range(4))}</PointData><Points>{array(CUBE[:12], name="Points", components=3)}</Points>'
         f"<Verts>{verts}</Verts></Piece></PolyData>")})
+    piece_image = '<ImageData WholeExtent="0 2 0 2 0 2" Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 2 0 2 0 2">' \
+                  f"<PointData>{array(range(27))}</PointData></Piece></ImageData>"
+    add("pvti", "a.pvti", {"a.pvti": xml("PImageData", '<PImageData WholeExtent="0 2 0 2 0 4" GhostLevel="0">'
+        '<Piece Extent="0 2 0 2 0 2" Source="p0.vti"/><Piece Extent="0 2 0 2 2 4" Source="p1.vti"/></PImageData>'),
+        "p0.vti": xml("ImageData", piece_image),
+        "p1.vti": xml("ImageData", piece_image.replace("0 2 0 2 0 2", "0 2 0 2 2 4"))})
     add("pvtu", "a.pvtu", {"a.pvtu": xml("PUnstructuredGrid", '<PUnstructuredGrid GhostLevel="0">'
         '<Piece Source="p0.vtu"/><Piece Source="p1.vtu"/></PUnstructuredGrid>'), "p0.vtu": vtu(), "p1.vtu": vtu()})
     add("vtm", "a.vtm", {"a.vtm": xml("vtkMultiBlockDataSet", '<vtkMultiBlockDataSet><Block index="0" name="b">'

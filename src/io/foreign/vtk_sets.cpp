@@ -18,8 +18,10 @@
 #include "io/foreign/vtk_leaf.h"
 #include "io/foreign/vtk_mesh.h"
 #include "io/foreign/vtk_reading.h"
+#include "io/foreign/vtk_timed.h"
 #include "io/meshes/mesh_blocks.h"
 #include "io/meshes/mesh_steps.h"
+#include "io/vtk/lattice_pieces.h"
 #include "io/vtk/vtk_set_files.h"
 #include "ovoid/error.h"
 
@@ -160,6 +162,29 @@ Dataset read_amr(const ByteSource& source, Dataset dataset, const ReadOptions& o
   return boxes_of_grids(std::move(dataset), grids, options);
 }
 
+// Images and rectilinear grids in pieces; nothing where these are no lattice together.
+std::optional<Dataset> read_lattice_pieces(const ByteSource& source, const std::string& xml_type,
+                                           const ReadOptions& options) {
+  LatticeAssembly assembly(source.name(), lattice_in_pieces(source));
+  const std::size_t count = assembly.pieces().size();
+  ReadOptions own = options;
+  own.progress = {};
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto file = open_file(assembly.pieces()[i].path);
+    check_vtk(*file, "a piece of " + source.name());
+    if (is_vtk_set(vtk_xml_type(*file))) return std::nullopt;
+    VtkRun run(*file, own);
+    const VtkLeaf leaf = read_vtk_leaf(*file, is_xml(*file), own, run);
+    Dataset piece;
+    piece.source = file->name();
+    piece.notes = run.notes;
+    ReadOptions all;  // that were read: those that are wanted, and ghosts
+    if (!assembly.add(i, dataset_of(*file, leaf.data, std::move(piece), all))) return std::nullopt;
+    if (options.progress) options.progress(static_cast<double>(i + 1) / static_cast<double>(count));
+  }
+  return assembly.finish(begin_dataset(source, xml_type));
+}
+
 // Files of the same time are parts of one data set.
 Dataset read_series(const ByteSource& source, const ReadOptions& options) {
   std::map<double, std::vector<VtkSetFile>> steps;
@@ -199,6 +224,9 @@ Dataset read_vtk_set(const ByteSource& source, const std::string& xml_type,
   if (xml_type == "Collection") return read_series(source, options);
   Dataset dataset = begin_dataset(source, xml_type);
   if (dataset.format == "VTK AMR") return read_amr(source, std::move(dataset), options);
+  if (xml_type == "PImageData" || xml_type == "PRectilinearGrid") {
+    if (auto lattice = read_lattice_pieces(source, xml_type, options)) return std::move(*lattice);
+  }
   SetReader reader(options);
   reader.add(source.name(), "", 1);
   return reader.mesh(std::move(dataset), options);

@@ -18,69 +18,15 @@
 #include "io/core/xml_tags.h"
 #include "io/foreign/vtk_header_parts.h"
 #include "io/foreign/vtk_xml_arrays.h"
+#include "io/vtk/vtk_extent.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
 namespace {
 
-// The first and last index along each axis.
-struct Extent {
-  std::array<std::int64_t, 3> lo{};
-  std::array<std::int64_t, 3> hi{};
-
-  // Samples along each axis; zeros if the extent is empty, as pieces may be.
-  std::array<std::int64_t, 3> dims() const {
-    std::array<std::int64_t, 3> result{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (hi[axis] < lo[axis]) return {};
-      result[axis] = hi[axis] - lo[axis] + 1;
-    }
-    return result;
-  }
-
-  bool contains(const Extent& other) const {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (other.lo[axis] < lo[axis] || other.hi[axis] > hi[axis]) return false;
-    }
-    return true;
-  }
-
-  // Neighbours share the samples between them, but no cell.
-  bool shares_cells(const Extent& other) const {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::int64_t first = std::max(lo[axis], other.lo[axis]);
-      const std::int64_t last = std::min(hi[axis], other.hi[axis]);
-      const bool is_flat = lo[axis] == hi[axis] && other.lo[axis] == other.hi[axis];
-      if (is_flat ? first > last : first >= last) return false;
-    }
-    return true;
-  }
-};
-
-// "i0 i1 j0 j1 k0 k1"
-Extent parse_extent(const ByteSource& source, const std::string& field, const std::string& text) {
-  const auto parts = words(text);
-  Extent extent;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    std::optional<std::int64_t> lo, hi;
-    if (parts.size() == 6) {
-      lo = parse_integer(parts[2 * axis]);
-      hi = parse_integer(parts[2 * axis + 1]);
-    }
-    constexpr std::int64_t kInt = kMaxAxisSize;  // VTK keeps extents in 32-bit integers
-    if (!lo || !hi || *lo < -kInt || *lo > kInt || *hi < -kInt || *hi > kInt) {
-      fail_header(source,
-                  fmt::format("{}=\"{}\": expected six integers", field, text.substr(0, 80)));
-    }
-    extent.lo[axis] = *lo;
-    extent.hi[axis] = *hi;
-  }
-  return extent;
-}
-
 // Cells of `piece`, a part of `whole`. Where the whole has one sample, so has every piece, and a
 // cell; elsewhere a piece of one sample has none.
-std::int64_t num_cells_within(const Extent& whole, const Extent& piece) {
+std::int64_t num_cells_within(const VtkExtent& whole, const VtkExtent& piece) {
   std::int64_t result = 1;
   const auto dims = piece.dims();
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -240,7 +186,7 @@ class XmlChecker {
     if (has_image_) fail(fmt::format("has two {} elements", grid_name()));
     has_image_ = true;
     if (!has_extents()) return;
-    whole_ = parse_extent(source_, "WholeExtent", tag.attribute("WholeExtent"));
+    whole_ = parse_vtk_extent(source_, "WholeExtent", tag.attribute("WholeExtent"));
     if (num_points(source_, "WholeExtent", whole_.dims()) == 0)
       fail(fmt::format("WholeExtent=\"{}\": is empty", tag.attribute("WholeExtent")));
     check_numbers(tag, "Origin", 3);
@@ -263,7 +209,7 @@ class XmlChecker {
   void read_piece(const XmlTag& tag) {
     lists_.clear();
     if (!has_extents()) return read_counts(tag);
-    piece_ = parse_extent(source_, "Extent", tag.attribute("Extent"));
+    piece_ = parse_vtk_extent(source_, "Extent", tag.attribute("Extent"));
     num_points_ = num_cells_ = 0;
     if (num_points(source_, "Extent", piece_.dims()) == 0) return;
     if (!whole_.contains(piece_)) {
@@ -498,9 +444,9 @@ class XmlChecker {
   int num_in_list_ = 0;
   std::size_t num_pieces_ = 0;
   VtkOutline outline_;
-  Extent whole_;
-  Extent piece_;  // the one that the arrays belong to
-  std::vector<Extent> pieces_;
+  VtkExtent whole_;
+  VtkExtent piece_;  // the one that the arrays belong to
+  std::vector<VtkExtent> pieces_;
   std::vector<StoredArray> arrays_;
 };
 

@@ -20,15 +20,16 @@ struct SetType {
   std::string_view type;
   const char* format;
 };
-constexpr std::array<SetType, 9> kSetTypes{{{"PUnstructuredGrid", "PVTU"},
-                                            {"PPolyData", "PVTP"},
-                                            {"PStructuredGrid", "PVTS"},
-                                            {"PRectilinearGrid", "PVTR"},
-                                            {"vtkMultiBlockDataSet", "VTM"},
-                                            {"vtkOverlappingAMR", "VTK AMR"},
-                                            {"vtkNonOverlappingAMR", "VTK AMR"},
-                                            {"vtkHierarchicalBoxDataSet", "VTK AMR"},
-                                            {"Collection", "PVD"}}};
+constexpr std::array<SetType, 10> kSetTypes{{{"PUnstructuredGrid", "PVTU"},
+                                             {"PPolyData", "PVTP"},
+                                             {"PStructuredGrid", "PVTS"},
+                                             {"PRectilinearGrid", "PVTR"},
+                                             {"PImageData", "PVTI"},
+                                             {"vtkMultiBlockDataSet", "VTM"},
+                                             {"vtkOverlappingAMR", "VTK AMR"},
+                                             {"vtkNonOverlappingAMR", "VTK AMR"},
+                                             {"vtkHierarchicalBoxDataSet", "VTK AMR"},
+                                             {"Collection", "PVD"}}};
 
 const SetType* find_set_type(const std::string& xml_type) noexcept {
   const auto found =
@@ -36,6 +37,9 @@ const SetType* find_set_type(const std::string& xml_type) noexcept {
                    [&](const SetType& candidate) { return candidate.type == xml_type; });
   return found == kSetTypes.end() ? nullptr : &*found;
 }
+
+// Text as the program means it that wrote the file.
+std::string plain(const std::string& text) { return without_entities(text).value_or(text); }
 
 double time_of(const ByteSource& source, const XmlTag& tag) {
   const std::string text = tag.attribute("timestep", "0");
@@ -91,8 +95,7 @@ VtkSeriesPlace vtk_series_place(const ByteSource& source) {
   while (const auto tag = reader.next()) {
     if (tag->name != "Collection") continue;
     VtkSeriesPlace place;
-    const std::string unit = tag->attribute("TimeUnit");
-    place.time_unit = without_entities(unit).value_or(unit);
+    place.time_unit = plain(tag->attribute("TimeUnit"));
     const std::string word = tag->attribute("Space", name_of(Space::kNone));
     for (const Space space : {Space::kNone, Space::kLps, Space::kRas}) {
       if (word != name_of(space)) continue;
@@ -117,17 +120,18 @@ std::vector<VtkSetFile> vtk_set_files(const ByteSource& source) {
     if (tag->name == "AppendedData") break;
     if (tag->name == "Block" && !tag->is_empty_element) {
       level = level_of(source, *tag);
-      blocks.push_back(tag->attribute("name", tag->attribute("index")));
+      blocks.push_back(plain(tag->attribute("name", tag->attribute("index"))));
     }
     const bool is_piece = tag->name == "Piece" && tag->attributes.contains("Source");
     const bool is_data_set = tag->name == "DataSet" && tag->attributes.contains("file");
     if (!is_piece && !is_data_set) continue;
     VtkSetFile file;
-    const std::string name = tag->attribute(is_piece ? "Source" : "file");
+    const std::string name = plain(tag->attribute(is_piece ? "Source" : "file"));
     if (name.empty()) continue;  // an empty block
     file.path = path_beside(source.name(), name);
     for (const std::string& block : blocks) file.block += block + "/";
-    if (is_data_set) file.block += tag->attribute("name", tag->attribute("index"));
+    if (is_data_set) file.block += plain(tag->attribute("name", tag->attribute("index")));
+    if (is_piece) file.extent = tag->attribute("Extent");
     file.level = level;
     file.time = is_data_set ? time_of(source, *tag) : 0;
     files.push_back(std::move(file));

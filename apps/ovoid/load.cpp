@@ -147,6 +147,12 @@ Dataset load(const DataFlags& data, Session& session) {
   options.progress = progress.callback();
   // Between steps all of their samples are needed.
   if (!data.time) options.memory_limit = static_cast<std::int64_t>(data.memory_limit.value_or(0));
+  if (session.team() != nullptr && options.may_stay_in_file) {
+    // What stays in a file for one of them does so for all.
+    session.team()->meet();
+    const auto own = static_cast<double>(memory_for_field(options));
+    options.memory_limit = static_cast<std::int64_t>(session.team()->spread(own).least);
+  }
   Dataset dataset = read_step(data, options);
   const bool is_half = dataset.series == SeriesKind::kStaggered && !data.step;
   if (dataset.share) agree_on_array(dataset, *session.team()->kernels());

@@ -116,6 +116,7 @@ Modelled make_field(const Dataset& dataset, const ModelFlags& model, int threads
   options.reconstruction = model.reconstruction.value_or(options.reconstruction);
   if (model.relevant_above) options.relevant = RelevantSamples{*model.relevant_above};
   options.threads = threads;
+  if (session.team() != nullptr) options.team = session.team()->kernels();
   made.field = make_lattice_field(dataset, options, &made.lattice, session.stop());
   made.array = made.color_array = made.lattice.array;
   if (options.array.empty()) note_choice(dataset, made.array, session);

@@ -59,10 +59,10 @@ struct ReadOptions {
   std::string array;
   std::string block;                 // which of Dataset::blocks; empty: the largest, of meshes all
   std::optional<std::int64_t> step;  // which time step; none: the first whose samples vary
-  // Samples of a lattice that memory does not hold stay in their file: of raw data, NRRD, NIfTI,
-  // MetaImage and NPY that are not packed, and of HDF5 lattices, of which those in chunks are
-  // unpacked to a temporary file (in TMPDIR); of one component, uint8, int8, uint16, int16 or
-  // float32, and of the step that is asked for. DataArray::stored has them then.
+  // Samples of a lattice that memory does not hold stay in their file, or are unpacked to a
+  // temporary one (in TMPDIR), as docs/formats.md tells, "Larger than memory": of one component,
+  // uint8, int8, uint16, int16 or float32, and of the step that is asked for. DataArray::stored has
+  // them then.
   bool may_stay_in_file = false;
   // Bytes that such a field may take in memory; 0: most of what there is, divided by the processes
   // of this machine that read beside each other.
@@ -98,6 +98,9 @@ struct ReadOptions {
 // lattice with one component, and they can stay in their file: what read_dataset() does then, if it
 // may. For callers that hold samples elsewhere.
 bool would_stay_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& options);
+// Bytes that a field may take before that: those of options.memory_limit, and what memory there is
+// at this moment.
+std::int64_t memory_for_field(const ReadOptions& options);
 
 // Reads a volume, a mesh, adaptive grids, particles or stored kernels of the formats that
 // docs/formats.md lists, some of which need a build with VTK or HDF5. The format is told from

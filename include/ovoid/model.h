@@ -14,6 +14,7 @@
 #include "ovoid/dataset.h"
 #include "ovoid/export.h"
 #include "ovoid/field.h"
+#include "ovoid/kernel_team.h"
 #include "ovoid/relevant.h"
 #include "ovoid/surface.h"
 
@@ -36,6 +37,9 @@ struct LatticeModelOptions {
   std::optional<bool> prefilter{};
   std::optional<RelevantSamples> relevant{};  // these alone, as runs, in memory of their own
   int threads = 0;                            // 0: one per hardware thread
+  // Of samples in a file: processes that make the same field, all of them this call, and look at
+  // samples in shares, here and where looks are made of the field. Kept by the field. Null: none.
+  std::shared_ptr<KernelTeam> team{};
 
   static constexpr int kMagnitude = -1;
 };

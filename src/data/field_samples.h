@@ -28,18 +28,17 @@ struct FieldSamples {
 inline constexpr std::int64_t kWantedSamples = std::int64_t{1} << 18;
 FieldSamples take_samples(const BrickSource& source);
 
-// The different values of all samples, rising; empty if one is not an integer in [0, 65535] or if
-// there are more than `most`. Cost: one pass, which ends at the first sample that does not fit.
-std::vector<int> few_integers(const BrickSource& source, std::size_t most);
-
 // The different values of samples that look like labels: three to 64 integers as above, in regions:
 // of neighbours along x at least four of five are equal, and of the others some differ by more than
 // 1, as those of a rounded field do not. (Two are a mask, which has an inside and no order that
 // could mislead.) Or more integers, up to 2^24, if outside the background two of five neighbours
 // are equal, and the others change at once from one flat stretch to the next, as scans do not. Else
-// empty. Cost: that of few_integers(); for a few labels that of take_samples(), too, for many two
-// passes.
+// empty. Cost: a pass that ends at the first sample that is no integer, or one too many; for a few
+// labels that of take_samples(), too, for many two passes.
 std::vector<int> labels_of(const BrickSource& source);
+// The same from what was looked at: integers, and rows or samples.
+class SampleSurvey;
+std::vector<int> labels_told_by(const SampleSurvey& survey, const BrickSource& source);
 
 // The value below which a share `q` in [0, 1] of the rising values lies. `sorted` is not empty.
 double quantile(std::span<const float> sorted, double q);

@@ -102,4 +102,13 @@ std::vector<std::vector<T>> gathered(KernelTeam& team, std::span<const T> own) {
   return all;
 }
 
+// The same, one behind the other.
+template <class T>
+std::vector<T> joined(KernelTeam& team, std::span<const T> own) {
+  std::vector<T> all;
+  for (const std::vector<T>& from : gathered(team, own))
+    all.insert(all.end(), from.begin(), from.end());
+  return all;
+}
+
 }  // namespace ovoid::data

@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "data/paged_lattice.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <span>
 #include <type_traits>
+#include <utility>
 
 #include "data/brick_ranges.h"
+#include "data/letters.h"
+#include "data/sample_reader.h"
 #include "data/scalar_visit.h"
 #include "data/validate.h"
 #include "ovoid/error.h"
@@ -15,17 +22,51 @@ namespace {
 // Bytes of the slab of layers in which ranges are found, at most.
 constexpr std::int64_t kMostSlab = std::int64_t{32} << 20;
 
+// Layers of a lattice in memory, as a source that shows no others.
+template <class T>
+class Slab final : public BrickSource {
+ public:
+  Slab(const PagedLattice& lattice, ScalarType type, const std::vector<T>& samples,
+       std::int64_t first, std::int64_t end)
+      : lattice_(lattice), type_(type), samples_(samples), first_(first), end_(end) {}
+
+  const LatticeGeometry& geometry() const noexcept override { return lattice_.geometry(); }
+  int brick_edge() const noexcept override { return PagedLattice::kBrickEdge; }
+  double value_scale() const noexcept override { return lattice_.value_scale(); }
+  double value_offset() const noexcept override { return lattice_.value_offset(); }
+  ValueRange brick_range(std::int64_t, std::int64_t, std::int64_t) const noexcept override {
+    return {};
+  }
+  double range_reach() const noexcept override { return 0; }
+  bool has_missing(std::int64_t, std::int64_t, std::int64_t) const noexcept override {
+    return false;
+  }
+  BrickView acquire(std::int64_t, std::int64_t, std::int64_t, double) const override {
+    const Index3& dims = geometry().dims;
+    return {samples_.data(),   type_, {0, 0, first_}, {dims[0], dims[1], end_}, dims[0],
+            dims[0] * dims[1], {}};
+  }
+  std::size_t resident_bytes() const noexcept override { return 0; }
+
+ private:
+  const PagedLattice& lattice_;
+  ScalarType type_;
+  const std::vector<T>& samples_;
+  std::int64_t first_, end_;
+};
+
 }  // namespace
 
 PagedLattice::PagedLattice(const LatticeGeometry& geometry, ScalarType type,
                            std::shared_ptr<const StoredSamples> samples,
-                           const ResidentLatticeOptions& options)
+                           const ResidentLatticeOptions& options, std::shared_ptr<KernelTeam> team)
     : geometry_(geometry),
       type_(type),
       samples_(std::move(samples)),
       range_reach_(options.range_reach),
       value_scale_(options.value_scale),
-      value_offset_(options.value_offset) {
+      value_offset_(options.value_offset),
+      team_(std::move(team)) {
   data::validate_geometry(geometry_);
   options.validate();
   if (geometry_.kind != LatticeKind::kCartesian || !ResidentLattice::can_show(type_) ||
@@ -43,16 +84,39 @@ PagedLattice::PagedLattice(const LatticeGeometry& geometry, ScalarType type,
   pages_.emplace(static_cast<std::size_t>(
       std::max<std::int64_t>(samples_->memory_for_pages() / page_bytes, 2)));
   ranges_.resize(static_cast<std::size_t>(num_samples(num_bricks_)));
+  if (team_ != nullptr) require_one_file();
+  data::SampleSurvey survey(geometry_.dims);
   data::visit_scalar(type_, [&]<class T>(std::type_identity<T>) {
     if constexpr (std::is_same_v<T, float> || (std::is_integral_v<T> && sizeof(T) <= 2))
-      find_ranges<T>(options);
+      look_at_samples<T>(options, survey);
   });
+  if (team_ != nullptr) {
+    take_ranges_of_all();
+    survey.join(*team_);
+  }
+  field_samples_ = survey.samples();
+  labels_ = data::labels_told_by(survey, *this);
+}
+
+const std::vector<data::RiseSample>& PagedLattice::rises() const {
+  std::call_once(has_rises_, [this] { rises_ = data::find_rises(*this); });
+  return rises_;
+}
+
+data::SharedLayers PagedLattice::layers() const noexcept {
+  if (team_ == nullptr) return {0, geometry_.dims[2], nullptr};
+  const std::int64_t num_pages = (geometry_.dims[2] + kPageEdge - 1) / kPageEdge;
+  const auto begin_of = [&](std::int64_t process) {
+    return std::min(num_pages * process / team_->count() * kPageEdge, geometry_.dims[2]);
+  };
+  return {begin_of(team_->number()), begin_of(team_->number() + 1), team_.get()};
 }
 
 // Slab by slab of brick layers, each with a brick's layers before and behind it, which is farther
 // than kernels reach.
 template <class T>
-void PagedLattice::find_ranges(const ResidentLatticeOptions& options) {
+void PagedLattice::look_at_samples(const ResidentLatticeOptions& options,
+                                   data::SampleSurvey& survey) {
   const Index3& dims = geometry_.dims;
   const std::int64_t layer = dims[0] * dims[1];
   const auto margin = static_cast<std::int64_t>(std::ceil((range_reach_ + 1) / kBrickEdge));
@@ -60,14 +124,23 @@ void PagedLattice::find_ranges(const ResidentLatticeOptions& options) {
   const std::int64_t bricks_in_slab =
       std::max<std::int64_t>(1, slab_bytes / (layer * kBrickEdge * std::int64_t{sizeof(T)}));
   const std::int64_t bricks_in_layer = num_bricks_[0] * num_bricks_[1];
+  const data::SharedLayers own = layers();
+  const std::int64_t end = (own.end + kBrickEdge - 1) / kBrickEdge;
   std::vector<T> slab;
-  for (std::int64_t first = 0; first < num_bricks_[2]; first += bricks_in_slab) {
-    const std::int64_t last = std::min(first + bricks_in_slab, num_bricks_[2]);
+  for (std::int64_t first = own.first / kBrickEdge; first < end; first += bricks_in_slab) {
+    const std::int64_t last = std::min(first + bricks_in_slab, end);
     const std::int64_t from = std::max<std::int64_t>(first - margin, 0);
     const std::int64_t z0 = from * kBrickEdge;
     const std::int64_t z1 = std::min((last + margin) * kBrickEdge, dims[2]);
     slab.resize(static_cast<std::size_t>((z1 - z0) * layer));
     read_rows({0, dims[1], z0, z1}, reinterpret_cast<std::byte*>(slab.data()));
+    const Slab<T> shown(*this, type_, slab, z0, z1);
+    data::SampleReader reader(shown);
+    const std::int64_t first_layer = first * kBrickEdge;
+    const std::int64_t end_layer = std::min(last * kBrickEdge, dims[2]);
+    survey.take_samples(reader, first_layer, end_layer);
+    survey.take_rows(reader, first_layer, end_layer);
+    survey.find_integers(reader, first_layer, end_layer);
     const data::BrickTable<T> table = data::make_brick_table(
         slab.data(), {dims[0], dims[1], z1 - z0},
         {kBrickEdge, range_reach_, LatticeKind::kCartesian, options.threads, options.stop});
@@ -84,6 +157,43 @@ void PagedLattice::find_ranges(const ResidentLatticeOptions& options) {
       ranges_[in_all] = value_scale_ > 0 ? ValueRange{lo, hi} : ValueRange{hi, lo};
     }
   }
+}
+
+// Nobody reads the whole file: a few rows of it tell files apart.
+void PagedLattice::require_one_file() const {
+  constexpr std::uint64_t kRows = 256;
+  const Index3& dims = geometry_.dims;
+  std::vector<std::byte> row(static_cast<std::size_t>(dims[0]) * size_of(type_));
+  std::uint64_t sum = 0;
+  for (std::uint64_t i = 0; i < kRows; ++i) {
+    const auto number = static_cast<std::int64_t>(data::scrambled(i) %
+                                                  static_cast<std::uint64_t>(dims[1] * dims[2]));
+    const std::int64_t y = number % dims[1], z = number / dims[1];
+    read_rows({y, y + 1, z, z + 1}, row.data());
+    for (const std::byte byte : row)
+      sum = data::scrambled(sum ^ std::to_integer<std::uint64_t>(byte));
+  }
+  const std::vector<std::uint64_t> sums =
+      data::joined(*team_, std::span<const std::uint64_t>(&sum, 1));
+  for (std::size_t process = 0; process < sums.size(); ++process) {
+    if (sums[process] == sums[0]) continue;
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("process {} of {}: its file has other samples than that of process 0",
+                            process, sums.size()));
+  }
+}
+
+// Each has found those of its own layers of bricks.
+void PagedLattice::take_ranges_of_all() {
+  const data::SharedLayers own = layers();
+  const std::int64_t in_layer = num_bricks_[0] * num_bricks_[1];
+  const auto first = static_cast<std::size_t>(own.first / kBrickEdge * in_layer);
+  const auto end = static_cast<std::size_t>((own.end + kBrickEdge - 1) / kBrickEdge * in_layer);
+  ranges_ = data::joined(*team_, std::span<const ValueRange>(ranges_).subspan(first, end - first));
+  missing_.resize(ranges_.size());
+  missing_ =
+      data::joined(*team_, std::span<const std::uint8_t>(missing_).subspan(first, end - first));
+  if (std::find(missing_.begin(), missing_.end(), 1) == missing_.end()) missing_.clear();
 }
 
 std::size_t PagedLattice::brick_index(std::int64_t bx, std::int64_t by,

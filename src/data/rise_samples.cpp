@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "data/out_of_memory.h"
+#include "data/paged_lattice.h"
 #include "data/sample_reader.h"
+#include "data/shared_layers.h"
 
 namespace ovoid::data {
 namespace {
@@ -75,15 +77,22 @@ class RiseReader {
 
 }  // namespace
 
-std::vector<RiseSample> take_rises(const BrickSource& source) try {
+std::vector<RiseSample> take_rises(const BrickSource& source) {
+  const auto* const paged = dynamic_cast<const PagedLattice*>(&source);
+  return paged != nullptr ? paged->rises() : find_rises(source);
+}
+
+std::vector<RiseSample> find_rises(const BrickSource& source) try {
   const Index3& dims = source.geometry().dims;
   RiseReader reader(source);
   std::vector<RiseSample> samples;
   const std::int64_t every = (num_samples(dims) + kWantedRises - 1) / kWantedRises;
-  visit_some({0, 0, 0}, dims, std::max<std::int64_t>(1, every), [&](const Index3& index) {
-    if (const auto sample = reader.at(index)) samples.push_back(*sample);
-  });
-  return samples;
+  const SharedLayers layers = shared_layers(source);
+  visit_some({0, 0, layers.first}, {dims[0], dims[1], layers.end}, std::max<std::int64_t>(1, every),
+             [&](const Index3& index) {
+               if (const auto sample = reader.at(index)) samples.push_back(*sample);
+             });
+  return layers.of_all(std::move(samples));
 } catch (const std::bad_alloc&) {
   throw_out_of_memory("samples of the field's slopes", kWantedRises * sizeof(RiseSample));
 }

@@ -25,5 +25,7 @@ struct RiseSample {
 // Throws what the source throws.
 inline constexpr std::int64_t kWantedRises = std::int64_t{1} << 17;
 std::vector<RiseSample> take_rises(const BrickSource& source);
+// The same, and never what a source has kept of them.
+std::vector<RiseSample> find_rises(const BrickSource& source);
 
 }  // namespace ovoid::data

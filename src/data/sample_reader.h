@@ -62,6 +62,12 @@ class SampleReader {
   BrickView view_;  // of nothing: lo == hi
 };
 
+inline constexpr int kGreatestLabel = (1 << 24) - 1;  // float tells all whole numbers up to here
+
+inline bool is_label(float value) {
+  return value >= 0 && value <= kGreatestLabel && value == std::floor(value);
+}
+
 // Numbers that look random and are the same everywhere (a finalizer of splitmix64's kind).
 inline std::uint64_t scrambled(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;

@@ -208,7 +208,8 @@ LatticeField field_of_stored(const DataArray& array, const LatticeGeometry& geom
   const auto lattice = std::make_shared<const PagedLattice>(
       geometry, array.type, array.stored,
       ResidentLatticeOptions{options.kernel.value_or(published).support_radius(), array.value_scale,
-                             array.value_offset, threads, stop});
+                             array.value_offset, threads, stop},
+      options.team);
   const ValueRange range = data::merged_range(*lattice);
   if (range.is_empty())
     fail(fmt::format("array '{}': none of its {} samples is finite", array.name, array.num_tuples));

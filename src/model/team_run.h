@@ -48,11 +48,7 @@ inline void add_of_all(const ModelRun& run, std::vector<double>& own) {
 // Of all processes, one behind the other.
 template <class T>
 std::vector<T> joined(const ModelRun& run, std::vector<T> own) {
-  if (run.team == nullptr) return own;
-  std::vector<T> all;
-  for (const std::vector<T>& from : data::gathered(*run.team, std::span<const T>(own)))
-    all.insert(all.end(), from.begin(), from.end());
-  return all;
+  return run.team != nullptr ? data::joined(*run.team, std::span<const T>(own)) : own;
 }
 
 }  // namespace ovoid::model

@@ -511,11 +511,5 @@ TEST(FieldSamples, AreSpreadOverAllOfAFieldAndLimited) {
   EXPECT_EQ(samples.share_of_equals, 0.0);
 }
 
-TEST(FieldSamples, TellFewIntegersFromMany) {
-  EXPECT_EQ(data::few_integers(labels({0, 7, 2, 40}).source(), 4), (std::vector<int>{0, 2, 7, 40}));
-  EXPECT_TRUE(data::few_integers(labels({0, 7, 2, 40}).source(), 3).empty());
-  EXPECT_TRUE(data::few_integers(labels({0, 7, 70000}).source(), 8).empty());
-}
-
 }  // namespace
 }  // namespace ovoid

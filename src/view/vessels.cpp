@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "data/field_samples.h"
 #include "data/sample_reader.h"
+#include "data/shared_layers.h"
 #include "view/field_samples.h"
 
 namespace ovoid::view {
@@ -34,14 +36,18 @@ double enclosed_share(const BrickSource& source, double wall, double limit) {
   const std::int64_t reach = std::max<std::int64_t>(6, edge / 16);
   const std::int64_t every = std::max<std::int64_t>(1, num_samples(dims) / data::kWantedSamples);
   data::SampleReader reader(source);
-  int num_bright = 0;
-  int num_enclosed = 0;
-  data::visit_some({0, 0, 0}, dims, every, [&](const Index3& index) {
-    if (!(static_cast<double>(reader.at(index)) > wall)) return;
-    ++num_bright;
-    if (is_enclosed(reader, index, reach, limit)) ++num_enclosed;
-  });
-  return num_bright > 0 ? static_cast<double>(num_enclosed) / num_bright : 0;
+  std::vector<int> are_enclosed;  // of those that are bright
+  const data::SharedLayers layers = data::shared_layers(source);
+  data::visit_some({0, 0, layers.first}, {dims[0], dims[1], layers.end}, every,
+                   [&](const Index3& index) {
+                     if (!(static_cast<double>(reader.at(index)) > wall)) return;
+                     are_enclosed.push_back(is_enclosed(reader, index, reach, limit) ? 1 : 0);
+                   });
+  are_enclosed = layers.of_all(std::move(are_enclosed));
+  const auto num_bright = static_cast<double>(are_enclosed.size());
+  const auto num_enclosed =
+      static_cast<double>(std::count(are_enclosed.begin(), are_enclosed.end(), 1));
+  return num_bright > 0 ? num_enclosed / num_bright : 0;
 }
 
 }  // namespace

@@ -169,6 +169,20 @@ def cloud(path, count, writes_header):
             file.write(f"{i + 1} " + " ".join(f"{number:.7g}" for number in row) + "\n")
 
 
+def in_files(folder, path):
+    """Lattices that memory does not hold, which are read from their file, or from what was unpacked."""
+    whole, together = os.path.join(folder, "one.npy"), os.path.join(folder, "many.npy")
+    packed = os.path.join(folder, "packed.nii.gz")
+    expect(run([OVOID, "convert", path, "-o", packed]).returncode == 0, "not converted: " + packed)
+    for words in ([path, "--memory-limit", "50K"], [path, "--memory-limit", "50K", "--mode", "mip"],
+                  [packed, "--memory-limit", "50K"]):
+        done = render([*words, "--sheets", "image"], whole)
+        expect("read from a file" in done.stderr, "not in a file: " + done.stderr)
+        for processes in NUMBERS if words[-1] == "50K" else NUMBERS[-1:]:
+            render(words, together, processes)
+            expect_same(whole, together, f"{words} by {processes}")
+
+
 def shares(folder):
     """Particles whose rows, kernels and sizes several processes share, against those that one has alone."""
     whole, together = os.path.join(folder, "alone.npy"), os.path.join(folder, "shared.npy")
@@ -259,6 +273,29 @@ def faults(folder, path, mesh):
     expect(done.returncode != 0 and len(lines) == 1 and "another picture" in lines[0] and "'data'" in lines[0],
            f"other data: {done.stderr}")
     expect(not os.path.exists(out), "other data: a picture all the same")
+    # The same header of other samples, which nobody reads whole.
+    detached = [os.path.join(folder, f"{name}.nhdr") for name in ("detached", "other")]
+    run([OVOID, "convert", path, "-o", detached[0]])
+    with open(detached[0]) as file:
+        header = file.read()
+    raw = next(word for word in header.split() if word.endswith(".raw"))
+    for place, what in ((detached[0], values), (detached[1], reversed(values))):
+        name = os.path.basename(place)[:-4] + "samples"
+        with open(place, "w") as file:
+            file.write(header.replace(raw, "samples.raw"))
+        os.makedirs(os.path.join(folder, name))
+        shutil.move(place, os.path.join(folder, name, "x.nhdr"))
+        with open(os.path.join(folder, name, "samples.raw"), "wb") as file:
+            file.write(b"".join(what))
+    with open(script, "w") as file:
+        file.write(f'#!/bin/sh\n[ "$OMPI_COMM_WORLD_RANK$PMI_RANK" = 2 ] && set -- "$1" "$2" {folder}/other.samples/x.nhdr '
+                   '"$4" "$5" "$6" "$7"\nexec "$@"\n')
+    here = os.path.join(folder, "detached.samples", "x.nhdr")
+    done = run([script, OVOID, "render", here, "--memory-limit", "50K", "-o", out], 3)
+    lines = our_lines(done.stderr)
+    expect(done.returncode != 0 and len(lines) == 1 and "process 2 of 3: its file has other samples" in lines[0],
+           f"other data in a file: {done.stderr}")
+    expect(not os.path.exists(out), "other data in a file: a picture all the same")
     # All of them wrong in the same way: one line.
     done = run([OVOID, "render", "/nowhere.nrrd", "-o", out], 3)
     expect(done.returncode != 0 and len(our_lines(done.stderr)) == 1, f"missing everywhere: {done.stderr}")
@@ -315,6 +352,7 @@ def main():
     try:
         data = make_data(folder)
         pictures(folder, data)
+        in_files(folder, data["head"])
         profile(folder, data["head"])
         parts(folder, data["head"])
         faults(folder, data["head"], data["fin"])

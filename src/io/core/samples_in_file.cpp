@@ -31,13 +31,6 @@ std::int64_t own_memory(const ReadOptions& options) {
   return available_memory() / std::max(options.processes_beside, 1);
 }
 
-// That a field may take before its samples stay in their file.
-double most_bytes(const ReadOptions& options) {
-  const double most = kMostOfMemory * static_cast<double>(own_memory(options));
-  return options.memory_limit > 0 ? std::min(most, static_cast<double>(options.memory_limit))
-                                  : most;
-}
-
 bool can_be_shown(ScalarType type) {
   return type == ScalarType::kUInt8 || type == ScalarType::kInt8 || type == ScalarType::kUInt16 ||
          type == ScalarType::kInt16 || type == ScalarType::kFloat32;
@@ -170,8 +163,13 @@ const StoredPlace& stored_place(const StoredSamples& samples) {
 namespace ovoid {
 
 bool would_stay_in_file(ScalarType type, std::int64_t num_bytes, const ReadOptions& options) {
-  return io::can_be_shown(type) &&
-         static_cast<double>(io::bytes_of_field(type, num_bytes)) > io::most_bytes(options);
+  return io::can_be_shown(type) && io::bytes_of_field(type, num_bytes) > memory_for_field(options);
+}
+
+std::int64_t memory_for_field(const ReadOptions& options) {
+  const auto most =
+      static_cast<std::int64_t>(io::kMostOfMemory * static_cast<double>(io::own_memory(options)));
+  return options.memory_limit > 0 ? std::min(most, options.memory_limit) : most;
 }
 
 }  // namespace ovoid

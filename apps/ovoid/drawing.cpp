@@ -122,7 +122,7 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   check_kind_flags(flags, dataset);
   take_channels(dataset, flags, drawing, session);
   Subject subject;
-  const bool is_said = is_segmentation(dataset) && may_draw_own_labels(*drawing, session);
+  const bool is_said = is_segmentation(dataset) && may_draw_own_labels(*drawing);
   const auto merged = drawing->channels.names.empty()
                           ? merged_layers(dataset, drawing->model.component)
                           : std::nullopt;
@@ -149,7 +149,7 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   subject.has_walls = subject.surface != nullptr &&
                       (drawn.kind == DatasetKind::kMesh || !drawing->surface.within.empty());
   subject.scenery = make_scenery(drawing->geometry, subject.modelled.field, session);
-  if (drawing->labels.own_surfaces || (are_labels && may_draw_own_labels(*drawing, session))) {
+  if (drawing->labels.own_surfaces || (are_labels && may_draw_own_labels(*drawing))) {
     const auto table =
         merged ? merged->table : table_of_file(drawn.source, std::max(drawing->model.component, 0));
     subject.scenery.labels =

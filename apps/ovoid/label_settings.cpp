@@ -80,7 +80,7 @@ LabelNames parse_label_names(const std::string& text) {
 const Table<LabelFlags>& label_settings() {
   using L = LabelFlags;
   const Rule lit = not_with("mode", "is for --mode composite and isosurface", is_unlit);
-  const Rule alone = not_with("value-plane motion-blur points part");
+  const Rule alone = not_with("value-plane motion-blur points");
   const Rule of_file = needs("labels", "has no effect without --labels");
   const Rule of_slices = needs("slice", "has no effect without --slice");
   static const Table<L> all = {

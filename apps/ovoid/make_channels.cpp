@@ -154,10 +154,11 @@ ValueRange range_of(const ChannelFlags& flags, std::size_t i, const ChannelDispl
 
 // What cannot be drawn of several, or says what one of them is to look like.
 constexpr const char* kOfOneVolume[] = {
-    "array",       "component", "over",   "labels",  "label-surfaces",   "motion-blur", "points",
-    "part",        "colorbar",  "pick",   "tf",      "preset",           "colormap",    "opacity",
-    "tf2d",        "range",     "window", "shift",   "gradient-opacity", "log",         "symlog",
-    "value-plane", "save-look", "kernel", "dry-run", "post-convolution"};
+    "label-surfaces", "colormap", "value-plane", "kernel",           "tf",        "opacity",
+    "motion-blur",    "log",      "tf2d",        "save-look",        "component", "shift",
+    "array",          "over",     "pick",        "post-convolution", "symlog",    "window",
+    "points",         "colorbar", "dry-run",     "gradient-opacity", "preset",    "labels",
+    "range"};
 
 // Whether the file says in which colours its channels show, and nothing else was asked for.
 bool shows_channels_itself(const Dataset& dataset, const Flags& flags, const DrawingFlags& drawing,
@@ -174,9 +175,10 @@ bool shows_channels_itself(const Dataset& dataset, const Flags& flags, const Dra
                                      [&](const char* flag) { return flags.is_given(flag); }) ||
                          drawing.run.backend == Backend::kVulkan;
   const Mode mode = drawing.look.mode;
+  const bool is_whole = session.team() == nullptr && !flags.is_given("part");
   const bool is_mode_of_several =
-      mode == Mode::kComposite || mode == Mode::kMaximum || mode == Mode::kMinimum;
-  if (!are_shown || is_of_one || !is_mode_of_several || session.team() != nullptr) return false;
+      mode == Mode::kComposite || (is_whole && (mode == Mode::kMaximum || mode == Mode::kMinimum));
+  if (!are_shown || is_of_one || !is_mode_of_several) return false;
   if (count > kMostChannels) {
     session.note(
         fmt::format("'{}' has {} channels, of which one is drawn: --channels NAME,... draws "

@@ -149,9 +149,9 @@ LabelSurfaces surfaces_for(const std::string& flag, const Field& field, const st
 
 }  // namespace
 
-bool may_draw_own_labels(const DrawingFlags& drawing, const Session& session) {
+bool may_draw_own_labels(const DrawingFlags& drawing) {
   return uses_default_look(drawing.look) && drawing.labels.file.empty() && !drawing.plane &&
-         !drawing.trail.length && !drawing.options.part && session.team() == nullptr;
+         !drawing.trail.length;
 }
 
 bool is_segmentation(const Dataset& dataset) {

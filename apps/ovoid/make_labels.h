@@ -17,7 +17,7 @@ namespace ovoid::cli {
 
 // Whether labels that are the data themselves may be drawn by their surfaces: nobody asked for
 // another look, or for what has no surfaces in it.
-bool may_draw_own_labels(const DrawingFlags& drawing, const Session& session);
+bool may_draw_own_labels(const DrawingFlags& drawing);
 
 // Whether a file says by its name that it holds labels, however few.
 bool is_segmentation(const Dataset& dataset);

@@ -72,7 +72,7 @@ const Table<ChannelFlags>& channel_settings() {
        for_data({DatasetKind::kLattice}, "lattices"),
        of_modes(),
        of_sheets(),
-       not_with("motion-blur points part dry-run over labels label-surfaces component colorbar "
+       not_with("motion-blur points dry-run over labels label-surfaces component colorbar "
                 "pick save-look",
                 "{0} is for one volume"),
        not_with("tf preset colormap opacity gradient-opacity tf2d range window log symlog shift",
@@ -103,7 +103,7 @@ const Table<OverFlags>& over_settings() {
                    "(repeatable, up to {}; what follows is said of the first, the second ...)",
                    kMostFurtherVolumes),
        for_data({DatasetKind::kLattice}, "lattices"), of_modes(), of_sheets(),
-       not_with("motion-blur points part dry-run", "{0} is for one volume")},
+       not_with("motion-blur points dry-run", "{0} is for one volume")},
       {"--over-array", word("NAME"), &O::arrays, "its array, as --array", beside},
       {"--over-tf", look_file(), &O::looks, "its look, as --tf", beside},
       {"--over-preset", Form<std::string>{"NAME", parse_preset, same}, &O::presets,

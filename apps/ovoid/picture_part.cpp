@@ -99,6 +99,73 @@ std::uint64_t digest_of(const Surface& surface) {
   return digest.value();
 }
 
+std::string field_line(const char* name, const Field& field) {
+  const Bounds3 bounds = field.world_bounds();
+  const ValueRange range = field.value_range();
+  return fmt::format("{} {} kernels, values {} to {}, from {} to {}, {:016x}\n", name,
+                     field.num_kernels(), range.lo, range.hi, words_of(bounds.min()),
+                     words_of(bounds.max()), digest_of(field));
+}
+
+std::string words_of(const TransferFunction& colors) {
+  Look look;
+  look.transfer_function = colors;
+  return one_line(to_text(look));
+}
+
+std::string words_of(const Rgb& color) {
+  return fmt::format("{} {} {}", color[0], color[1], color[2]);
+}
+
+// Of labels by what holds at some places all over the map.
+std::uint64_t digest_of(const LabelMap& map) {
+  constexpr std::int64_t kAlong = 6;
+  Digest digest;
+  const LatticeGeometry& geometry = map.geometry();
+  for (const int label : map.labels()) digest.add(label);
+  for (const std::int64_t size : geometry.dims) digest.add(size);
+  const Vec3 size(static_cast<double>(geometry.dims[0]), static_cast<double>(geometry.dims[1]),
+                  static_cast<double>(geometry.dims[2]));
+  for (std::int64_t i = 0; i < kAlong * kAlong * kAlong; ++i) {
+    const Index3 cell{i % kAlong, i / kAlong % kAlong, i / (kAlong * kAlong)};
+    Vec3 index;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto along = static_cast<double>(cell[static_cast<std::size_t>(axis)]) + 0.45;
+      index[axis] = along / static_cast<double>(kAlong) * size[axis] - 0.5;
+    }
+    const Vec3 place = geometry.world_from_index * index;
+    digest.add(place);
+    digest.add(map.label_at(place).value_or(-1));
+  }
+  return digest.value();
+}
+
+// What is seen beside the field.
+std::string scenery_lines(const Scenery& scenery) {
+  std::string lines;
+  for (const Geometry& one : scenery.geometry) {
+    lines +=
+        fmt::format("add {} triangles, {:016x}, color {}, opacity {}, edges {}, colors {}\n",
+                    one.surface->triangles.size(), digest_of(*one.surface), words_of(one.color),
+                    one.opacity, one.shows_edges, one.colors ? words_of(*one.colors) : "none");
+  }
+  for (const FieldSlice& slice : scenery.slices) {
+    lines += fmt::format("slice {} {}, opacity {}, outline {}, colors {}\n", words_of(slice.normal),
+                         slice.offset, slice.opacity,
+                         slice.outline ? words_of(*slice.outline) : "none", words_of(slice.colors));
+  }
+  const LabelSurfaces& labels = scenery.labels;
+  if (labels.map == nullptr) return lines;
+  lines += fmt::format("labels {:016x}, {} {} {} {}", digest_of(*labels.map),
+                       labels.shows_field_elsewhere, labels.shows_surfaces, labels.slice_lines,
+                       labels.slice_areas);
+  for (const LabelStyle& style : labels.styles) {
+    lines += fmt::format(", {} {} {} {}", style.label, words_of(style.color), style.opacity,
+                         style.shows_field);
+  }
+  return lines + "\n";
+}
+
 std::string name_of_line(const std::string& line) { return line.substr(0, line.find(' ')); }
 
 }  // namespace
@@ -115,11 +182,14 @@ std::string data_lines(const std::vector<std::string>& inputs) {
 std::string picture_lines(const FrameSubject& subject, const Camera& camera,
                           const RenderOptions& options) {
   const Field& field = subject.field;
-  const Bounds3 bounds = field.world_bounds();
-  const ValueRange range = field.value_range();
-  std::string lines = fmt::format("data {} kernels, values {} to {}, from {} to {}, {:016x}\n",
-                                  field.num_kernels(), range.lo, range.hi, words_of(bounds.min()),
-                                  words_of(bounds.max()), digest_of(field));
+  std::string lines = field_line("data", field);
+  if (options.further != nullptr) {
+    for (const FurtherVolume& volume : *options.further)
+      lines +=
+          field_line("over", volume.field) + "over-look " + one_line(to_text(volume.look)) + "\n";
+    lines += fmt::format("mixing {}\n", static_cast<int>(options.mixing));
+  }
+  if (subject.scenery != nullptr) lines += scenery_lines(*subject.scenery);
   if (subject.surface != nullptr)
     lines += fmt::format("surface {} triangles, {:016x}, walls {} {}\n",
                          subject.surface->triangles.size(), digest_of(*subject.surface),

@@ -225,12 +225,22 @@ std::optional<Image> draw_in_team(Team& team, const RenderFlags& render,
   return std::move(picture->image);
 }
 
+// All that the picture is of.
+std::vector<std::string> files_of(const RenderFlags& render) {
+  std::vector<std::string> files = render.data.inputs;
+  const DrawingFlags& drawing = render.drawing;
+  for (const auto& more : {drawing.over.files, drawing.geometry.files})
+    files.insert(files.end(), more.begin(), more.end());
+  if (!drawing.labels.file.empty()) files.push_back(drawing.labels.file);
+  return files;
+}
+
 // What can be drawn together.
 void check_for_team(const Flags& flags, const RenderFlags& render) {
   if (render.part)
     throw UsageError("--part: was started by MPI, where each process has a part already");
-  for (const char* const name : {"value-plane", "motion-blur", "over", "channels", "add", "slice",
-                                 "labels", "repeat", "dry-run", "save-look", "opaque-at", "pick"}) {
+  for (const char* const name :
+       {"value-plane", "motion-blur", "repeat", "dry-run", "opaque-at", "pick"}) {
     if (flags.is_given(name))
       throw UsageError(
           fmt::format("--{}: is not for pictures by several processes, as MPI starts them", name));
@@ -318,7 +328,7 @@ void run_render(const Words& words, Session& session) {
   render.data.may_stay_in_file = true;
   drawing.model.kept_bytes = static_cast<std::int64_t>(render.data.memory_limit.value_or(0));
   render.data.may_be_shared = can_be_shared(drawing.model.kernels);
-  if (Team* const team = session.team()) team->agree(data_lines(render.data.inputs));
+  if (Team* const team = session.team()) team->agree(data_lines(files_of(render)));
   Dataset dataset = load(render.data, session);
   profile.load_ms = loading.ms();
   const Stopwatch modelling;

@@ -33,7 +33,7 @@ const Table<GeometryFlags>& geometry_settings() {
        "a surface in the scene: .stl, .obj, .ply, .vtp or a mesh's outside, in the data's "
        "world; lines are tubes, points balls (repeatable)",
        not_with("mode", "is for --mode composite and isosurface", is_unlit),
-       not_with("value-plane motion-blur points part")},
+       not_with("value-plane motion-blur points")},
       {"--add-color", Form<Rgb>{"COLOR", parse_rgb, [](const Rgb& c) { return text_of(c); }},
        &G::colors,
        "of the first surface, the second, ...; the last counts for the rest (repeatable)", beside},
@@ -55,7 +55,7 @@ const Table<GeometryFlags>& geometry_settings() {
        "a plane of values in the scene: x, y, z, sagittal, coronal or axial, through the middle or "
        "with =PLACE, or NX,NY,NZ,D, world (repeatable)",
        not_with("mode", "is for --mode composite and isosurface", is_unlit),
-       not_with("value-plane motion-blur points part")},
+       not_with("value-plane motion-blur points")},
       {"--slice-map", Form<std::string>{"NAME", parse_named_color_map, same}, &G::slice_map,
        "colours of slices, as --colormap has them (default {})", of_slices},
       {"--slice-range",

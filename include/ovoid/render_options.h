@@ -102,9 +102,9 @@ struct RenderOptions {
   // Draws what this part of space has of the picture, into Frame::seen; null: the whole. On image
   // sheets alone, and in pictures without a trail or value plane.
   std::shared_ptr<const SpacePart> part;
-  // Volumes that are drawn with the field, which is a lattice then; null: none. At most
+  // Volumes drawn with the field, a lattice then; null: none (further_volumes.h). At most
   // kMostFurtherVolumes. Without a trail, with post-convolution off or auto; in mode composite, not
-  // on the vulkan back end, or in the modes maximum and minimum (further_volumes.h).
+  // on the vulkan back end, or, of whole pictures, in the modes maximum and minimum.
   std::shared_ptr<const std::vector<FurtherVolume>> further;
   Mixing mixing = Mixing::kAveraged;  // of the field and these
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)

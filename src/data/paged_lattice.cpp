@@ -99,7 +99,10 @@ PagedLattice::PagedLattice(const LatticeGeometry& geometry, ScalarType type,
 }
 
 const std::vector<data::RiseSample>& PagedLattice::rises() const {
-  std::call_once(has_rises_, [this] { rises_ = data::find_rises(*this); });
+  std::call_once(has_rises_, [this] {
+    rises_ = data::find_rises(*this);
+    rises_.shrink_to_fit();
+  });
   return rises_;
 }
 

@@ -21,8 +21,9 @@ namespace ovoid {
 // A brick source over samples that stay in their file, x fastest. Pages are boxes of whole rows,
 // kPageEdge of them along y and z, so that a page is read in as many pieces as it has layers; those
 // that were used last are kept. What is asked of samples from everywhere is found when they are
-// read first: ranges of bricks, FieldSamples, labels. Memory: the pages, and 8 bytes per brick of 8
-// cells along each axis. Immutable to its users; all members may be called from many threads.
+// read first: ranges of bricks, FieldSamples, labels. Memory: the pages, 8 bytes per brick of 8
+// cells along each axis, and some 5 MB of samples. Immutable to its users; all members may be
+// called from many threads.
 class PagedLattice final : public BrickSource {
  public:
   static constexpr int kBrickEdge = 8;

@@ -134,7 +134,8 @@ void require_further(const Field& field, const Look& look, bool has_trail,
   if (are_colors && !is_composite) refuse("that are colours are for the mode composite");
   if (has_trail) refuse("are for pictures without a trail");
   if (is_published(options.post_convolution)) refuse("are for post-convolution off and auto");
-  if (options.part != nullptr) refuse("are for whole pictures, not for parts");
+  if (options.part != nullptr && !is_composite)
+    refuse("in the modes maximum and minimum are for whole pictures, not for parts");
   for (std::size_t i = 0; i < volumes.size(); ++i) {
     if (volumes[i].field.is_empty()) {
       throw Error(ErrorCode::kInvalidArgument, fmt::format("further[{}].field: has no samples", i));

@@ -183,6 +183,59 @@ def in_files(folder, path):
             expect_same(whole, together, f"{words} by {processes}")
 
 
+def labels(path):
+    """Three balls of a label each, as NRRD."""
+    balls = (((9, 9, 9), 5), ((15, 12, 12), 6), ((11, 17, 9), 4))
+    samples = bytearray(24**3)
+    for number, (middle, radius) in enumerate(balls):
+        for i in range(24**3):
+            if math.dist((i % 24, i // 24 % 24, i // 576), middle) < radius:
+                samples[i] = number + 1
+    with open(path, "wb") as file:
+        file.write(b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 24 24 24\nspace directions: (0.08,0,0) (0,0.08,0) (0,0,0.08)\n"
+                   b"space dimension: 3\nspace origin: (-0.9,-0.9,-0.9)\nencoding: raw\n\n" + bytes(samples))
+
+
+def box(path, low, high):
+    """A box as an STL file of text."""
+    corner = [[(low, high)[i >> a & 1] for a in range(3)] for i in range(8)]
+    quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+    with open(path, "w") as file:
+        file.write("solid box\n")
+        for q in quads:
+            for triangle in (q[:3], (q[0], q[2], q[3])):
+                file.write("facet normal 0 0 0\nouter loop\n" + "".join(
+                    "vertex " + " ".join(map(str, corner[i])) + "\n" for i in triangle) + "endloop\nendfacet\n")
+        file.write("endsolid box\n")
+
+
+def scenes(folder, data):
+    """What is seen beside a field, and several volumes: by processes, and as parts in files."""
+    whole, together, plain = (os.path.join(folder, name) for name in ("w.npy", "t.npy", "plain.npy"))
+    ball, map_of_labels, surface = (os.path.join(folder, name) for name in ("ball.nrrd", "labels.nrrd", "box.stl"))
+    run([OVOID, "make", "ball", "--size", "24", "-o", ball])
+    labels(map_of_labels)
+    box(surface, -0.3, 0.4)
+    seen_through = [ball, "--colormap", "gray", "--opacity", "0:0,1:0.02"]
+    render([*seen_through, "--sheets", "image"], plain)
+    for words in ([*seen_through, "--slice", "z"],
+                  [*seen_through, "--add", surface, "--add-opacity", "0.5", "--shadows", "0.5"],
+                  [*seen_through, "--labels", map_of_labels, "--label-opacity", "2=0.4"], [map_of_labels],
+                  [*seen_through, "--over", map_of_labels, "--over-range", "0,4"], [data["galaxy"], "--slice", "y"]):
+        render([*words, "--sheets", "image"], whole)
+        if words[0] == ball:
+            expect(max(abs(x - y) for x, y in zip(numbers(whole), numbers(plain))) > 0.1, f"{words}: shows no more")
+        render(words, together, NUMBERS[-1])
+        expect_same(whole, together, f"{words[-4:]} by {NUMBERS[-1]}")
+        together_of_parts(folder, words, together)
+        expect_same(whole, together, f"{words[-4:]} in parts")
+    # Parts of another scene are of another picture.
+    for k, height in ((1, "0.1"), (2, "0.2")):
+        render([ball, "--slice", f"z={height}", "--part", f"{k}/2"], os.path.join(folder, f"s{k}.exr"))
+    strange = run([OVOID, "composite", *(os.path.join(folder, f"s{k}.exr") for k in (1, 2)), "-o", together])
+    expect(strange.returncode == 1 and "'slice'" in strange.stderr, strange.stderr)
+
+
 def shares(folder):
     """Particles whose rows, kernels and sizes several processes share, against those that one has alone."""
     whole, together = os.path.join(folder, "alone.npy"), os.path.join(folder, "shared.npy")
@@ -223,14 +276,21 @@ def profile(folder, path):
     expect(told["bytes_sent"] > 0 and told["peak_mib"]["least"] > 1, str(told))
 
 
-def parts(folder, path):
-    """Without MPI: parts as files."""
+def together_of_parts(folder, words, out):
+    """Draws three parts to files, which are returned, and puts them together."""
     files = [os.path.join(folder, f"part-{k}.exr") for k in (1, 2, 3)]
     for k, file in enumerate(files):
-        render([path, "--part", f"{k + 1}/3"], file)
+        render([*words, "--part", f"{k + 1}/3"], file)
+    done = run([OVOID, "composite", *files, "-o", out])
+    expect(done.returncode == 0, f"parts of {words} cannot be put together: {done.stderr}")
+    return files
+
+
+def parts(folder, path):
+    """Without MPI: parts as files."""
     whole, together = os.path.join(folder, "w.npy"), os.path.join(folder, "t.npy")
     render([path, "--sheets", "image"], whole)
-    expect(run([OVOID, "composite", *files, "-o", together]).returncode == 0, "parts cannot be put together")
+    files = together_of_parts(folder, [path], together)
     expect_same(whole, together, "parts as files")
     lacking = run([OVOID, "composite", *files[:2], "-o", together])
     expect(lacking.returncode == 1 and "of 3 parts these are not given: 3" in lacking.stderr, lacking.stderr)
@@ -353,6 +413,7 @@ def main():
         data = make_data(folder)
         pictures(folder, data)
         in_files(folder, data["head"])
+        scenes(folder, data)
         profile(folder, data["head"])
         parts(folder, data["head"])
         faults(folder, data["head"], data["fin"])

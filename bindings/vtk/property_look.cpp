@@ -5,6 +5,7 @@
 #include <vtkCamera.h>
 #include <vtkCollectionIterator.h>
 #include <vtkContourValues.h>
+#include <vtkDataArray.h>
 #include <vtkLight.h>
 #include <vtkLightCollection.h>
 #include <vtkPiecewiseFunction.h>
@@ -17,6 +18,7 @@
 #include <optional>
 #include <vector>
 
+#include "ovoid/channels.h"
 #include "ovoid/error.h"
 
 namespace ovoid::mappers {
@@ -134,6 +136,13 @@ void negate(TransferFunction* tf) {
   std::swap(tf->below_color, tf->above_color);
 }
 
+void take_property_colors(vtkVolumeProperty* property, int index, TransferFunction* tf) {
+  if (property->GetColorChannels(index) == 1)
+    take_grays(property->GetGrayTransferFunction(index), tf);
+  else
+    take_colors(property->GetRGBTransferFunction(index), tf);
+}
+
 double luminance(const double color[3]) {
   return 0.30 * color[0] + 0.59 * color[1] + 0.11 * color[2];  // vtkColorTransferFunction's
 }
@@ -178,10 +187,7 @@ Look look_of_property(vtkVolumeProperty* property, const DrawnComponent& drawn, 
     throw Error(ErrorCode::kUnsupported, "two-dimensional transfer functions: are not drawn");
   TransferFunction& tf = look.transfer_function;
   tf.name = "vtkVolumeProperty";
-  if (property->GetColorChannels(index) == 1)
-    take_grays(property->GetGrayTransferFunction(index), &tf);
-  else
-    take_colors(property->GetRGBTransferFunction(index), &tf);
+  take_property_colors(property, index, &tf);
   tf.opacities = opacity_points(property->GetScalarOpacity(index));
   for (OpacityPoint& point : tf.opacities) point.opacity *= drawn.weight;
   if (blend_mode == vtkVolumeMapper::MINIMUM_INTENSITY_BLEND) negate(&tf);
@@ -198,6 +204,27 @@ Look look_of_property(vtkVolumeProperty* property, const DrawnComponent& drawn, 
   look.material.specular_power = property->GetSpecularPower(index);
   if (blend_mode == vtkVolumeMapper::ADDITIVE_BLEND)
     make_additive(property->GetScalarOpacity(index), drawn.weight, field.value_range(), &look);
+  return look;
+}
+
+void leave_colors(Look* look) {
+  look->transfer_function.colors = {{0, {1, 1, 1}}};
+  look->transfer_function.below_color.reset();
+  look->transfer_function.above_color.reset();
+}
+
+Look look_of_color(vtkVolumeProperty* property, const DrawnValues& drawn, std::size_t index,
+                   const Field& field) {
+  const DrawnComponent& component = drawn.components[index];
+  if (drawn.components.size() > 2) {
+    const bool is_of_bytes = drawn.array->GetDataType() == VTK_UNSIGNED_CHAR;
+    return primary_look(is_of_bytes ? ValueRange{0, 255} : field.value_range(),
+                        component.component);
+  }
+  Look look;
+  take_property_colors(property, component.property_index, &look.transfer_function);
+  look.transfer_function.opacities = {{0, 1}};  // everywhere, so that all of the field has colours
+  look.shade = false;
   return look;
 }
 

@@ -33,6 +33,14 @@ std::vector<OpacityPoint> opacity_points(vtkPiecewiseFunction* function);
 Look look_of_property(vtkVolumeProperty* property, const DrawnComponent& drawn, int blend_mode,
                       const Field& field);
 
+// Looks of dependent components, which Mixing::kColored draws together. That of the first,
+// `look`, leaves its colours to the others'; look_of_color() is that of the others,
+// drawn.components[ index], in mode composite. Bytes of red, green and blue count from 0 to 255,
+// other numbers over the range of each; a single value has the property's colours.
+void leave_colors(Look* look);
+Look look_of_color(vtkVolumeProperty* property, const DrawnValues& drawn, std::size_t index,
+                   const Field& field);
+
 // Opacities of a frame as the sums that they stand for: gray, at most 1, as opaque as bright.
 void show_sums(Image* image);
 

@@ -8,7 +8,7 @@ import unittest
 import numpy as np
 from mapper_case import EXACT, SIDE, TRANSLUCENT, MapperCase
 from ovoid_vtk.vtkOvoid import vtkOvoidUnstructuredGridVolumeMapper, vtkOvoidVolumeMapper
-from scene import BACKGROUND, COLORS, FOG, SHELL, Scene, image_of, look_json, over, property_of, rendered, write
+from scene import BACKGROUND, COLORS, FOG, SHELL, Scene, image_of, look_json, over, property_of, rendered, together, write
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction, vtkPlane, vtkPolyData, vtkRectilinearGrid
 from vtkmodules.vtkCommonCore import vtkPoints
@@ -34,10 +34,6 @@ def joined(*properties, weights=()):
             prop.SetComponentWeight(i, weights[i])
     prop.SetInterpolationTypeToLinear()
     return prop
-
-
-def together(*values):
-    return image_of(np.stack(values, axis=3))[0]
 
 
 class One(MapperCase):
@@ -286,11 +282,6 @@ class NotDrawn(MapperCase):
     def setUp(self):
         super().setUp()
         self.three = together(self.values, self.values, self.values)
-
-    def test_dependent(self):
-        prop = property_of()
-        prop.IndependentComponentsOff()
-        self.assert_error(Scene(self.three, prop), "'values'", "3 dependent components", "IndependentComponentsOn")
 
     def test_five(self):
         self.assert_error(Scene(together(*[self.values] * 5), property_of()), "'values'", "5 independent components", "at most 4")

@@ -91,12 +91,17 @@ double mean_spacing(const Field& field) {
                             : field.default_sampling_distance();
 }
 
-// VTK's gradients are per mean spacing, and its table ends at a quarter of the values' range:
-// steeper ones have its last value.
-std::vector<OpacityPoint> gradient_points(vtkPiecewiseFunction* function, const Field& field) {
+// Of a change of value over the mean spacing: where VTK's tables end, at a quarter of the values'
+// range. Steeper gradients have the last entry.
+double steepest_change(const Field& field) {
   constexpr double kTableEnd = 0.25;
   const ValueRange range = field.value_range();
-  const double end = kTableEnd * (static_cast<double>(range.hi) - range.lo);
+  return kTableEnd * (static_cast<double>(range.hi) - range.lo);
+}
+
+// VTK's gradients are per mean spacing.
+std::vector<OpacityPoint> gradient_points(vtkPiecewiseFunction* function, const Field& field) {
+  const double end = steepest_change(field);
   if (!(end > 0)) return {};
   std::vector<OpacityPoint> points = opacity_points(function);
   if (!points.empty() && points.back().x > end) {
@@ -183,16 +188,25 @@ Look look_of_property(vtkVolumeProperty* property, const DrawnComponent& drawn, 
   const int index = drawn.property_index;
   Look look;
   look.mode = mode_of(blend_mode);
-  if (property->GetTransferFunctionMode() != vtkVolumeProperty::TF_1D)
-    throw Error(ErrorCode::kUnsupported, "two-dimensional transfer functions: are not drawn");
   TransferFunction& tf = look.transfer_function;
   tf.name = "vtkVolumeProperty";
   take_property_colors(property, index, &tf);
   tf.opacities = opacity_points(property->GetScalarOpacity(index));
   for (OpacityPoint& point : tf.opacities) point.opacity *= drawn.weight;
   if (blend_mode == vtkVolumeMapper::MINIMUM_INTENSITY_BLEND) negate(&tf);
+  const bool is_2d = property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D;
+  if (is_2d && blend_mode != vtkVolumeMapper::COMPOSITE_BLEND) {
+    throw Error(ErrorCode::kUnsupported,
+                "two-dimensional transfer functions: are drawn in the blend mode composite alone");
+  }
+  if (is_2d) {
+    const double change = steepest_change(field);
+    look.transfer_function_2d =
+        table_of_function(property->GetTransferFunction2D(index), drawn.weight, field.value_range(),
+                          (change > 0 ? change : 1) / mean_spacing(field));
+  }
   if (look.mode == Mode::kIsosurface) look.isovalue = isovalue_of(property);
-  if (look.mode == Mode::kComposite && property->GetDisableGradientOpacity(index) == 0) {
+  if (look.mode == Mode::kComposite && !is_2d && property->GetDisableGradientOpacity(index) == 0) {
     tf.gradient_opacities = gradient_points(property->GetGradientOpacity(index), field);
     if (changes_nothing(tf.gradient_opacities)) tf.gradient_opacities.clear();
   }

@@ -9,6 +9,7 @@
 #include "vtk_arrays.h"
 
 class vtkColorTransferFunction;
+class vtkImageData;
 class vtkPiecewiseFunction;
 class vtkRenderer;
 class vtkVolumeProperty;
@@ -23,13 +24,20 @@ void take_colors(vtkColorTransferFunction* function, TransferFunction* tf);
 void take_grays(vtkPiecewiseFunction* function, TransferFunction* tf);
 std::vector<OpacityPoint> opacity_points(vtkPiecewiseFunction* function);
 
+// A two-dimensional function: entries from the least value to the greatest, from no gradient to the
+// length `steepest`, in value per world length; beyond, that of the end. Bilinearly fewer where
+// there are more than a TransferFunction2D has. Opacities are multiplied by `weight`. Throws
+// Error(kInvalidArgument) where there is none, or the image is not one slice of four components.
+TransferFunction2D table_of_function(vtkImageData* function, double weight, const ValueRange& range,
+                                     double steepest);
+
 // What a vtkVolumeProperty says of a component, drawn in `blend_mode` (vtkVolumeMapper's).
 // `field` sets the length over which VTK takes gradients: the mean of its three spacings. Of
 // MINIMUM_INTENSITY_BLEND the field must hold the negated values, and so do the look's points. Of
 // ADDITIVE_BLEND the look's opacities stand for what is added: show_sums() makes the picture of
 // theirs. The component's weight is a factor of all opacities. Throws Error(kUnsupported) for blend
-// modes and transfer functions that are not drawn, kInvalidArgument for an isosurface without a
-// value.
+// modes that are not drawn, or not with a two-dimensional function, kInvalidArgument for an
+// isosurface without a value, and what table_of_function() throws.
 Look look_of_property(vtkVolumeProperty* property, const DrawnComponent& drawn, int blend_mode,
                       const Field& field);
 

@@ -349,7 +349,13 @@ Look VolumePainter::look_of(vtkVolume* volume, std::size_t component, const Fiel
   if (drawn_.are_dependent && component > 0)
     return look_of_color(property, drawn_, component, field);
   Look look = look_of_property(property, drawn_.components[component], settings.blend_mode, field);
-  if (drawn_.are_dependent) leave_colors(&look);
+  if (!drawn_.are_dependent) return look;
+  if (look.transfer_function_2d) {
+    throw Error(ErrorCode::kUnsupported,
+                "two-dimensional transfer functions: are not drawn of dependent components "
+                "(IndependentComponentsOn, SetVectorMode)");
+  }
+  leave_colors(&look);
   return look;
 }
 

@@ -467,11 +467,6 @@ class Errors(MapperCase):
         scene.mapper.SetBlendModeToComposite()
         self.assert_like(scene.draw(), good, EXACT)
 
-    def test_two_dimensional_functions(self):
-        prop = property_of()
-        prop.SetTransferFunctionMode(1)
-        self.assert_error(Scene(self.image, prop), "two-dimensional")
-
     def test_degenerate_matrix(self):
         scene = Scene(self.image, property_of())
         scene.volume.SetScale(1, 1, 1e-300)

@@ -6,9 +6,11 @@
 #include <vtkCollectionIterator.h>
 #include <vtkContourValues.h>
 #include <vtkDataArray.h>
+#include <vtkImplicitFunction.h>
 #include <vtkLight.h>
 #include <vtkLightCollection.h>
 #include <vtkPiecewiseFunction.h>
+#include <vtkPlane.h>
 #include <vtkRenderer.h>
 #include <vtkVolumeMapper.h>
 #include <vtkVolumeProperty.h>
@@ -28,6 +30,7 @@ Mode mode_of(int blend_mode) {
   switch (blend_mode) {
     case vtkVolumeMapper::COMPOSITE_BLEND:
     case vtkVolumeMapper::ADDITIVE_BLEND:  // of light that nothing weakens
+    case vtkVolumeMapper::SLICE_BLEND:     // a plane beside a field that is not seen
       return Mode::kComposite;
     case vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND:
     case vtkVolumeMapper::MINIMUM_INTENSITY_BLEND:  // the maximum of the negated values
@@ -36,8 +39,6 @@ Mode mode_of(int blend_mode) {
       return Mode::kMean;
     case vtkVolumeMapper::ISOSURFACE_BLEND:
       return Mode::kIsosurface;
-    case vtkVolumeMapper::SLICE_BLEND:
-      throw Error(ErrorCode::kUnsupported, "blend mode slice: is not drawn");
     default:
       throw Error(ErrorCode::kInvalidArgument, fmt::format("blend mode {}: unknown", blend_mode));
   }
@@ -240,6 +241,26 @@ Look look_of_color(vtkVolumeProperty* property, const DrawnValues& drawn, std::s
   look.transfer_function.opacities = {{0, 1}};  // everywhere, so that all of the field has colours
   look.shade = false;
   return look;
+}
+
+FieldSlice slice_of(vtkVolumeProperty* property, const Look& look) {
+  vtkImplicitFunction* const function = property->GetSliceFunction();
+  auto* const plane = vtkPlane::SafeDownCast(function);
+  if (function == nullptr) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "blend mode slice: the property has no SliceFunction: expected a vtkPlane");
+  }
+  if (plane == nullptr) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("blend mode slice: SliceFunction is a {}: a vtkPlane is drawn",
+                            function->GetClassName()));
+  }
+  FieldSlice slice;
+  slice.normal = Vec3(plane->GetNormal());
+  slice.offset = slice.normal.dot(Vec3(plane->GetOrigin()));
+  slice.colors = look.transfer_function;
+  slice.colors.gradient_opacities.clear();
+  return slice;
 }
 
 void show_sums(Image* image) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "ovoid/field.h"
+#include "ovoid/geometry.h"
 #include "ovoid/image.h"
 #include "ovoid/look.h"
 #include "ovoid/math.h"
@@ -35,9 +36,10 @@ TransferFunction2D table_of_function(vtkImageData* function, double weight, cons
 // `field` sets the length over which VTK takes gradients: the mean of its three spacings. Of
 // MINIMUM_INTENSITY_BLEND the field must hold the negated values, and so do the look's points. Of
 // ADDITIVE_BLEND the look's opacities stand for what is added: show_sums() makes the picture of
-// theirs. The component's weight is a factor of all opacities. Throws Error(kUnsupported) for blend
-// modes that are not drawn, or not with a two-dimensional function, kInvalidArgument for an
-// isosurface without a value, and what table_of_function() throws.
+// theirs. Of SLICE_BLEND they are those of the plane. The component's weight is a factor of all
+// opacities. Throws Error(kUnsupported) for blend modes that are not drawn, or not with a
+// two-dimensional function, kInvalidArgument for an isosurface without a value, and what
+// table_of_function() throws.
 Look look_of_property(vtkVolumeProperty* property, const DrawnComponent& drawn, int blend_mode,
                       const Field& field);
 
@@ -48,6 +50,10 @@ Look look_of_property(vtkVolumeProperty* property, const DrawnComponent& drawn, 
 void leave_colors(Look* look);
 Look look_of_color(vtkVolumeProperty* property, const DrawnValues& drawn, std::size_t index,
                    const Field& field);
+
+// The plane of SLICE_BLEND in the world, in the look's colours and opacities. Throws Error:
+// kInvalidArgument where the property has no slice function, kUnsupported for others than planes.
+FieldSlice slice_of(vtkVolumeProperty* property, const Look& look);
 
 // Opacities of a frame as the sums that they stand for: gray, at most 1, as opaque as bright.
 void show_sums(Image* image);

@@ -95,6 +95,32 @@ DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_da
   return limits;
 }
 
+DepthLimits plane_limits(std::span<const ClipPlane> planes, const View& view) {
+  DepthLimits limits = empty_limits(view);
+  const Rays rays(view);
+  for (int y = 0; y < view.height; ++y) {
+    for (int x = 0; x < view.width; ++x) {
+      Vec3 origin, direction;
+      rays.at(x, y, &origin, &direction);
+      double enter = -std::numeric_limits<double>::infinity();
+      double leave = -enter;
+      for (const ClipPlane& plane : planes) {
+        const double slope = plane.normal.dot(direction);
+        const double inside = plane.normal.dot(origin) - plane.offset;
+        if (slope > 0) enter = std::max(enter, -inside / slope);
+        if (slope < 0) leave = std::min(leave, -inside / slope);
+        if (slope == 0 && inside < 0) leave = enter;
+      }
+      if (enter < leave) {
+        limits.stops.push_back({static_cast<float>(enter), true, false, {}});
+        if (leave < kNowhere) limits.stops.push_back({static_cast<float>(leave), false, false, {}});
+      }
+      end_pixel(limits);
+    }
+  }
+  return limits;
+}
+
 std::optional<Bounds3> owned_box(const double bounds[6]) {
   if (std::none_of(bounds, bounds + 6, [](double side) { return std::isfinite(side); })) return {};
   return Bounds3(Vec3(bounds[0], bounds[2], bounds[4]), Vec3(bounds[1], bounds[3], bounds[5]));

@@ -33,6 +33,7 @@
 #include "grid_dataset.h"
 #include "ovoid/error.h"
 #include "ovoid/further_volumes.h"
+#include "ovoid/geometry.h"
 #include "ovoid/model.h"
 #include "ovoid/render_mesh.h"
 #include "placed_lattice.h"
@@ -123,6 +124,7 @@ void require_several(int blend_mode, std::size_t count, bool are_dependent) {
   const bool is_additive = blend_mode == vtkVolumeMapper::ADDITIVE_BLEND;
   const char* const name = blend_mode == vtkVolumeMapper::AVERAGE_INTENSITY_BLEND ? "average"
                            : blend_mode == vtkVolumeMapper::ISOSURFACE_BLEND      ? "isosurface"
+                           : blend_mode == vtkVolumeMapper::SLICE_BLEND           ? "slice"
                            : is_additive && are_dependent                         ? "additive"
                                                                                   : nullptr;
   if (name == nullptr) return;
@@ -378,6 +380,24 @@ void VolumePainter::add_further(vtkRenderer* renderer, vtkVolume* volume,
   options->further = further_volumes(std::move(volumes));
 }
 
+// The library's planes clip the field alone, VTK's the slice, too.
+Frame VolumePainter::draw_slice(vtkVolume* volume, const Look& look, const RenderOptions& options,
+                                const MapperSettings& settings) {
+  Scenery scenery;
+  scenery.slices = {slice_of(volume->GetProperty(), look)};
+  Look unseen = look;
+  unseen.transfer_function.opacities = {{0, 0}};
+  RenderOptions alone = options;
+  alone.sheets = Sheets::kImage;
+  alone.clip_planes.clear();
+  if (!options.clip_planes.empty()) {
+    DepthLimits planes = plane_limits(options.clip_planes, view_);
+    if (options.depth_limits != nullptr) planes = intersection(*options.depth_limits, planes);
+    alone.depth_limits = std::make_shared<const DepthLimits>(std::move(planes));
+  }
+  return render_with_scenery(renderer_for(settings), field_, view_.camera, unseen, scenery, alone);
+}
+
 Frame VolumePainter::draw_extremes(const Look& look, const RenderOptions& options,
                                    const MapperSettings& settings) {
   RenderOptions alone = options;
@@ -429,7 +449,9 @@ void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* d
   RenderOptions options = options_for(settings, world_from_data);
   add_further(renderer, volume, settings, &options);
   add_limits(renderer, settings, world_from_data, look, &options);
-  Frame frame = drawn_.are_dependent && look.mode == Mode::kMaximum
+  const bool is_slice = settings.blend_mode == vtkVolumeMapper::SLICE_BLEND;
+  Frame frame = is_slice ? draw_slice(volume, look, options, settings)
+                : drawn_.are_dependent && look.mode == Mode::kMaximum
                     ? draw_extremes(look, options, settings)
                     : renderer_for(settings).render(field_, view_.camera, look, options);
   times_.renderer += 1e-3 * frame.profile.frame_ms;

@@ -105,6 +105,8 @@ class VolumePainter {
                const MapperSettings& settings) const;
   void add_further(vtkRenderer* renderer, vtkVolume* volume, const MapperSettings& settings,
                    RenderOptions* options) const;
+  Frame draw_slice(vtkVolume* volume, const Look& look, const RenderOptions& options,
+                   const MapperSettings& settings);
   // Of dependent components, in two frames.
   Frame draw_extremes(const Look& look, const RenderOptions& options,
                       const MapperSettings& settings);

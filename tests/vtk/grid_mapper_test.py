@@ -187,11 +187,6 @@ class BlendModes(MapperCase):
         self.assertLess(np.abs(pictures[0] - pictures[1])[inside].mean(), 3)
         self.assertLess(abs(pictures[0].mean() - pictures[1].mean()), 0.02 * pictures[1].mean())
 
-    def test_not_drawn(self):
-        scene = Scene(self.image, property_of())
-        scene.mapper.SetBlendModeToSlice()
-        self.assert_error(scene, "blend mode", "slice")
-
 
 class Cuts(MapperCase):
     def test_cropping_to_a_box(self):

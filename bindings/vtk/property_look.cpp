@@ -70,18 +70,29 @@ void make_additive(vtkPiecewiseFunction* function, double weight, const ValueRan
   look->shade = false;
 }
 
-double isovalue_of(vtkVolumeProperty* property) {
-  vtkContourValues* const values = property->GetIsoSurfaceValues();
-  const int count = values != nullptr ? values->GetNumberOfContours() : 0;
-  if (count == 0) {
+// One opaque surface is the isovalue's, which all back ends draw.
+void take_isosurfaces(vtkVolumeProperty* property, Look* look) {
+  vtkContourValues* const contours = property->GetIsoSurfaceValues();
+  std::vector<double> values(
+      static_cast<std::size_t>(contours != nullptr ? contours->GetNumberOfContours() : 0));
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = contours->GetValue(static_cast<int>(i));
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  if (values.empty()) {
     throw Error(ErrorCode::kInvalidArgument,
                 "blend mode isosurface: the property's IsoSurfaceValues are empty");
   }
-  if (count > 1) {
+  if (values.size() > Look::kMaxIsosurfaces) {
     throw Error(ErrorCode::kUnsupported,
-                fmt::format("blend mode isosurface: {} values: one surface is drawn", count));
+                fmt::format("blend mode isosurface: {} values: at most {} are drawn", values.size(),
+                            Look::kMaxIsosurfaces));
   }
-  return values->GetValue(0);
+  look->isovalue = values.front();
+  for (const double value : values) {
+    const double opacity = look->transfer_function.opacity_at(value);
+    if (values.size() > 1 || opacity < 1) look->isosurfaces.push_back({value, {}, opacity});
+  }
 }
 
 // Lengths of the axis vectors of a lattice, which VTK calls spacing; of kernels the distance that
@@ -206,7 +217,7 @@ Look look_of_property(vtkVolumeProperty* property, const DrawnComponent& drawn, 
         table_of_function(property->GetTransferFunction2D(index), drawn.weight, field.value_range(),
                           (change > 0 ? change : 1) / mean_spacing(field));
   }
-  if (look.mode == Mode::kIsosurface) look.isovalue = isovalue_of(property);
+  if (look.mode == Mode::kIsosurface) take_isosurfaces(property, &look);
   if (look.mode == Mode::kComposite && !is_2d && property->GetDisableGradientOpacity(index) == 0) {
     tf.gradient_opacities = gradient_points(property->GetGradientOpacity(index), field);
     if (changes_nothing(tf.gradient_opacities)) tf.gradient_opacities.clear();

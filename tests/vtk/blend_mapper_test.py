@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Blend modes that show surfaces: a slice, and isosurfaces."""
+"""Blend modes that show surfaces: slices and isosurfaces."""
 import unittest
 
 import numpy as np
@@ -164,6 +164,97 @@ class Slices(MapperCase):
         prop = property_of()
         prop.IndependentComponentsOff()
         self.assert_error(self.slice_of(together(self.values, self.values), prop), "blend mode slice", "2 dependent components")
+
+
+class Isosurfaces(MapperCase):
+    CURVE = [(0.35, 1), (0.5, 0.6), (0.9, 0.4), (1.4, 0)]  # values rise from the middle
+
+    def surfaces_of(self, *values, data=None, prop=None, mapper=None):
+        prop = prop or property_of(RAINBOW, self.CURVE)
+        for i, value in enumerate(values):
+            prop.GetIsoSurfaceValues().SetValue(i, value)
+        scene = Scene(data or self.image, prop, mapper)
+        scene.mapper.SetBlendModeToIsoSurface()
+        return scene
+
+    def assert_like_surfaces(self, scene, iso, **named):
+        self.assert_like_program(scene, "--mode", "isosurface", "--iso", iso, has_unit=False, **named)
+
+    def test_opaque(self):
+        self.assert_like_surfaces(self.surfaces_of(0.3), "0.3")
+
+    def test_see_through(self):
+        """The opacity is that of the value."""
+        self.assert_like_surfaces(self.surfaces_of(0.5), "0.5::0.6", bound=TRANSLUCENT)
+
+    def test_several(self):
+        """In any order, and one of them twice."""
+        self.assert_like_surfaces(self.surfaces_of(0.35, 0.9, 0.5, 0.35), "0.35,0.5::0.6,0.9::0.4", bound=TRANSLUCENT)
+
+    def test_none_that_shows(self):
+        scene = self.surfaces_of(1.4, 1.5)
+        empty = scene.draw()
+        self.assertEqual(scene.errors, [])
+        self.assert_like(empty, np.broadcast_to(empty[0, 0], empty.shape), 0)
+
+    def test_unit_distance(self):
+        """Is of no surface."""
+        one, other = self.surfaces_of(0.35, 0.5), self.surfaces_of(0.35, 0.5)
+        other.volume.GetProperty().SetScalarOpacityUnitDistance(0.2)
+        self.assert_like(one.draw(), other.draw(), 0)
+
+    def test_clipping_plane(self):
+        scene = self.surfaces_of(0.35, 0.9)
+        scene.mapper.AddClippingPlane(plane_at((0, 0, -1), (0, 0, 12)))
+        self.assert_like_program(scene, "--mode", "isosurface", "--iso", "0.35,0.9::0.4", "--clip=0,0,-1,-12", has_unit=False,
+                                 bound=TRANSLUCENT)
+
+    def test_half_hidden(self):
+        """An opaque wall hides what is behind it."""
+        hidden, cut = self.surfaces_of(0.35, 0.5), self.surfaces_of(0.35, 0.5)
+        for scene in (hidden, cut):
+            scene.mapper.ImageSheetsOn()
+        hidden.add_actor(wall(12))
+        cut.mapper.AddClippingPlane(plane_at((0, 0, 1), (0, 0, 12)))
+        for scene in (hidden, cut):
+            scene.draw()
+            self.assertEqual(scene.errors, [])
+        self.assertGreater(cut.floats()[..., 3].max(), 0.3)
+        differs = np.abs(hidden.floats() - cut.floats()).max(axis=2) > 1 / 255
+        self.assertLess(differs.sum(), 0.01 * (cut.floats()[..., 3] > 0).sum())  # measured: 4 of 830, where surfaces meet the wall
+
+    def test_weight(self):
+        prop = property_of(RAINBOW, self.CURVE)
+        prop.SetComponentWeight(0, 0.5)
+        prop.SetComponentWeight(1, 0)
+        drawn = self.surfaces_of(0.5, 0.9, data=together(self.values, 0 * self.values), prop=prop).draw()
+        halved = property_of(RAINBOW, [(x, 0.5 * y) for x, y in self.CURVE])
+        self.assert_shows(drawn)
+        self.assert_like(drawn, self.surfaces_of(0.5, 0.9, prop=halved).draw(), EXACT)
+
+    def test_as_vtk(self):
+        """VTK's own mapper, whose crossings are the first samples behind them."""
+        pictures = []
+        for mapper, values in ((vtkGPUVolumeRayCastMapper(), (0.35, 0.5, 0.9)), (vtkOvoidVolumeMapper(), (0.35, 0.5, 0.9)),
+                               (vtkOvoidVolumeMapper(), (0.9,))):
+            scene = self.surfaces_of(*values, mapper=mapper)
+            if mapper.IsA("vtkGPUVolumeRayCastMapper"):
+                mapper.SetAutoAdjustSampleDistances(0)
+                mapper.SetSampleDistance(0.1)
+            scene.renderer.SetBackground(0, 0, 0)
+            pictures.append(scene.draw())
+            self.assertEqual(scene.errors, [])
+        inside = pictures[0].max(axis=2) > 20
+        self.assertGreater(inside.mean(), 0.1)
+        drawn, one = (np.abs(picture - pictures[0])[inside].mean() for picture in pictures[1:])
+        self.assertLess(drawn, 2.5)  # measured: 1.7, and 10 of the last surface alone
+        self.assertGreater(one, 8)
+
+    def test_not_drawn(self):
+        scene = self.surfaces_of()
+        scene.volume.GetProperty().GetIsoSurfaceValues().SetNumberOfContours(0)
+        self.assert_error(scene, "blend mode isosurface", "empty")
+        self.assert_error(self.surfaces_of(*np.linspace(0.2, 0.9, 17)), "blend mode isosurface", "17 values", "at most 16")
 
 
 if __name__ == "__main__":

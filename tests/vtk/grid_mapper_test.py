@@ -163,12 +163,6 @@ class BlendModes(MapperCase):
         scene.mapper.SetBlendModeToAverageIntensity()
         self.assert_mode(scene, "mean")
 
-    def test_isosurface(self):
-        scene = Scene(self.image, property_of())
-        scene.mapper.SetBlendModeToIsoSurface()
-        scene.volume.GetProperty().GetIsoSurfaceValues().SetValue(0, 0.6)
-        self.assert_like_program(scene, "--mode", "isosurface", "--iso", "0.6", has_unit=False)
-
     def test_additive(self):
         """As VTK's own mapper adds up, but for its samples. Nothing is added at the faces, which lie half a spacing further out here."""
         pictures = []

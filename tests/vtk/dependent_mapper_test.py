@@ -4,7 +4,7 @@
 import unittest
 
 import numpy as np
-from mapper_case import EXACT, SIDE, TRANSLUCENT, MapperCase
+from mapper_case import EXACT, SIDE, TRANSLUCENT, MapperCase, vtks_picture
 from ovoid_vtk.vtkOvoid import vtkOvoidUnstructuredGridVolumeMapper, vtkOvoidVolumeMapper
 from scene import FOG, SHELL, Scene, property_of, together
 from vtkmodules.util.numpy_support import numpy_to_vtk
@@ -227,22 +227,20 @@ class AsVtk(DependentCase):
     """On black. Pictures differ by kernels for linear interpolation, as those of one component do."""
 
     def difference(self, image, prop, theirs, prepare=lambda scene: None):
-        pictures = []
-        for mapper in (theirs, vtkOvoidVolumeMapper()):
+        def scene_of(mapper):
             scene = Scene(image, prop, mapper)
             scene.renderer.SetBackground(0, 0, 0)
-            if mapper is theirs:
-                mapper.SetAutoAdjustSampleDistances(0)
-                mapper.SetSampleDistance(0.25)
             prepare(scene)
-            pictures.append(scene.draw())
-            self.assertEqual(scene.errors, [])
+            return scene
+        ours = scene_of(vtkOvoidVolumeMapper())
+        pictures = vtks_picture(lambda: scene_of(theirs())), ours.draw()
+        self.assertEqual(ours.errors, [])
         inside = pictures[0].max(axis=2) > 20
         self.assertGreater(inside.mean(), 0.05)
         return np.abs(pictures[1] - pictures[0])[inside].mean()
 
     def assert_differs(self, image, prop, fixed_point, gpu, prepare=lambda scene: None):
-        measured = [self.difference(image, prop, theirs, prepare) for theirs in (vtkFixedPointVolumeRayCastMapper(), vtkGPUVolumeRayCastMapper())]
+        measured = [self.difference(image, prop, theirs, prepare) for theirs in (vtkFixedPointVolumeRayCastMapper, vtkGPUVolumeRayCastMapper)]
         self.assertLess(measured[0], fixed_point)
         self.assertLess(measured[1], gpu)
 

@@ -15,7 +15,7 @@ if [[ $# == 0 && ! -d $root ]]; then
   for package in "$folder"/packages/*.deb; do dpkg -x "$package" "$folder/root.part"; done
   mv "$folder/root.part" "$folder/root"
 fi
-scripts/build.sh release ovoid_program ovoid_reader ovoid_viewer ovoid_mappers
+scripts/build.sh release ovoid_program ovoid_reader ovoid_viewer ovoid_mappers ovoid_team ovoid_package
 cmake --install build/release --prefix "$folder/ovoid" >"$folder/install.log"
 cmake -S bindings/paraview -B "$folder/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPython3_EXECUTABLE=/usr/bin/python3 \
   -DCMAKE_PREFIX_PATH="$folder/ovoid;$root" --log-level=WARNING

@@ -5,9 +5,12 @@
 #include <vtkCamera.h>
 #include <vtkCollectionIterator.h>
 #include <vtkContourValues.h>
+#include <vtkDataArray.h>
+#include <vtkImplicitFunction.h>
 #include <vtkLight.h>
 #include <vtkLightCollection.h>
 #include <vtkPiecewiseFunction.h>
+#include <vtkPlane.h>
 #include <vtkRenderer.h>
 #include <vtkVolumeMapper.h>
 #include <vtkVolumeProperty.h>
@@ -17,6 +20,7 @@
 #include <optional>
 #include <vector>
 
+#include "ovoid/channels.h"
 #include "ovoid/error.h"
 
 namespace ovoid::mappers {
@@ -26,6 +30,7 @@ Mode mode_of(int blend_mode) {
   switch (blend_mode) {
     case vtkVolumeMapper::COMPOSITE_BLEND:
     case vtkVolumeMapper::ADDITIVE_BLEND:  // of light that nothing weakens
+    case vtkVolumeMapper::SLICE_BLEND:     // a plane beside a field that is not seen
       return Mode::kComposite;
     case vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND:
     case vtkVolumeMapper::MINIMUM_INTENSITY_BLEND:  // the maximum of the negated values
@@ -34,8 +39,6 @@ Mode mode_of(int blend_mode) {
       return Mode::kMean;
     case vtkVolumeMapper::ISOSURFACE_BLEND:
       return Mode::kIsosurface;
-    case vtkVolumeMapper::SLICE_BLEND:
-      throw Error(ErrorCode::kUnsupported, "blend mode slice: is not drawn");
     default:
       throw Error(ErrorCode::kInvalidArgument, fmt::format("blend mode {}: unknown", blend_mode));
   }
@@ -67,18 +70,29 @@ void make_additive(vtkPiecewiseFunction* function, double weight, const ValueRan
   look->shade = false;
 }
 
-double isovalue_of(vtkVolumeProperty* property) {
-  vtkContourValues* const values = property->GetIsoSurfaceValues();
-  const int count = values != nullptr ? values->GetNumberOfContours() : 0;
-  if (count == 0) {
+// One opaque surface is the isovalue's, which all back ends draw.
+void take_isosurfaces(vtkVolumeProperty* property, Look* look) {
+  vtkContourValues* const contours = property->GetIsoSurfaceValues();
+  std::vector<double> values(
+      static_cast<std::size_t>(contours != nullptr ? contours->GetNumberOfContours() : 0));
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = contours->GetValue(static_cast<int>(i));
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  if (values.empty()) {
     throw Error(ErrorCode::kInvalidArgument,
                 "blend mode isosurface: the property's IsoSurfaceValues are empty");
   }
-  if (count > 1) {
+  if (values.size() > Look::kMaxIsosurfaces) {
     throw Error(ErrorCode::kUnsupported,
-                fmt::format("blend mode isosurface: {} values: one surface is drawn", count));
+                fmt::format("blend mode isosurface: {} values: at most {} are drawn", values.size(),
+                            Look::kMaxIsosurfaces));
   }
-  return values->GetValue(0);
+  look->isovalue = values.front();
+  for (const double value : values) {
+    const double opacity = look->transfer_function.opacity_at(value);
+    if (values.size() > 1 || opacity < 1) look->isosurfaces.push_back({value, {}, opacity});
+  }
 }
 
 // Lengths of the axis vectors of a lattice, which VTK calls spacing; of kernels the distance that
@@ -89,12 +103,17 @@ double mean_spacing(const Field& field) {
                             : field.default_sampling_distance();
 }
 
-// VTK's gradients are per mean spacing, and its table ends at a quarter of the values' range:
-// steeper ones have its last value.
-std::vector<OpacityPoint> gradient_points(vtkPiecewiseFunction* function, const Field& field) {
+// Of a change of value over the mean spacing: where VTK's tables end, at a quarter of the values'
+// range. Steeper gradients have the last entry.
+double steepest_change(const Field& field) {
   constexpr double kTableEnd = 0.25;
   const ValueRange range = field.value_range();
-  const double end = kTableEnd * (static_cast<double>(range.hi) - range.lo);
+  return kTableEnd * (static_cast<double>(range.hi) - range.lo);
+}
+
+// VTK's gradients are per mean spacing.
+std::vector<OpacityPoint> gradient_points(vtkPiecewiseFunction* function, const Field& field) {
+  const double end = steepest_change(field);
   if (!(end > 0)) return {};
   std::vector<OpacityPoint> points = opacity_points(function);
   if (!points.empty() && points.back().x > end) {
@@ -132,6 +151,13 @@ void negate(TransferFunction* tf) {
     tf->opacities[i].sharpness = tf->opacities[i + 1].sharpness;
   }
   std::swap(tf->below_color, tf->above_color);
+}
+
+void take_property_colors(vtkVolumeProperty* property, int index, TransferFunction* tf) {
+  if (property->GetColorChannels(index) == 1)
+    take_grays(property->GetGrayTransferFunction(index), tf);
+  else
+    take_colors(property->GetRGBTransferFunction(index), tf);
 }
 
 double luminance(const double color[3]) {
@@ -174,19 +200,25 @@ Look look_of_property(vtkVolumeProperty* property, const DrawnComponent& drawn, 
   const int index = drawn.property_index;
   Look look;
   look.mode = mode_of(blend_mode);
-  if (property->GetTransferFunctionMode() != vtkVolumeProperty::TF_1D)
-    throw Error(ErrorCode::kUnsupported, "two-dimensional transfer functions: are not drawn");
   TransferFunction& tf = look.transfer_function;
   tf.name = "vtkVolumeProperty";
-  if (property->GetColorChannels(index) == 1)
-    take_grays(property->GetGrayTransferFunction(index), &tf);
-  else
-    take_colors(property->GetRGBTransferFunction(index), &tf);
+  take_property_colors(property, index, &tf);
   tf.opacities = opacity_points(property->GetScalarOpacity(index));
   for (OpacityPoint& point : tf.opacities) point.opacity *= drawn.weight;
   if (blend_mode == vtkVolumeMapper::MINIMUM_INTENSITY_BLEND) negate(&tf);
-  if (look.mode == Mode::kIsosurface) look.isovalue = isovalue_of(property);
-  if (look.mode == Mode::kComposite && property->GetDisableGradientOpacity(index) == 0) {
+  const bool is_2d = property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D;
+  if (is_2d && blend_mode != vtkVolumeMapper::COMPOSITE_BLEND) {
+    throw Error(ErrorCode::kUnsupported,
+                "two-dimensional transfer functions: are drawn in the blend mode composite alone");
+  }
+  if (is_2d) {
+    const double change = steepest_change(field);
+    look.transfer_function_2d =
+        table_of_function(property->GetTransferFunction2D(index), drawn.weight, field.value_range(),
+                          (change > 0 ? change : 1) / mean_spacing(field));
+  }
+  if (look.mode == Mode::kIsosurface) take_isosurfaces(property, &look);
+  if (look.mode == Mode::kComposite && !is_2d && property->GetDisableGradientOpacity(index) == 0) {
     tf.gradient_opacities = gradient_points(property->GetGradientOpacity(index), field);
     if (changes_nothing(tf.gradient_opacities)) tf.gradient_opacities.clear();
   }
@@ -199,6 +231,47 @@ Look look_of_property(vtkVolumeProperty* property, const DrawnComponent& drawn, 
   if (blend_mode == vtkVolumeMapper::ADDITIVE_BLEND)
     make_additive(property->GetScalarOpacity(index), drawn.weight, field.value_range(), &look);
   return look;
+}
+
+void leave_colors(Look* look) {
+  look->transfer_function.colors = {{0, {1, 1, 1}}};
+  look->transfer_function.below_color.reset();
+  look->transfer_function.above_color.reset();
+}
+
+Look look_of_color(vtkVolumeProperty* property, const DrawnValues& drawn, std::size_t index,
+                   const Field& field) {
+  const DrawnComponent& component = drawn.components[index];
+  if (drawn.components.size() > 2) {
+    const bool is_of_bytes = drawn.array->GetDataType() == VTK_UNSIGNED_CHAR;
+    return primary_look(is_of_bytes ? ValueRange{0, 255} : field.value_range(),
+                        component.component);
+  }
+  Look look;
+  take_property_colors(property, component.property_index, &look.transfer_function);
+  look.transfer_function.opacities = {{0, 1}};  // everywhere, so that all of the field has colours
+  look.shade = false;
+  return look;
+}
+
+FieldSlice slice_of(vtkVolumeProperty* property, const Look& look) {
+  vtkImplicitFunction* const function = property->GetSliceFunction();
+  auto* const plane = vtkPlane::SafeDownCast(function);
+  if (function == nullptr) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "blend mode slice: the property has no SliceFunction: expected a vtkPlane");
+  }
+  if (plane == nullptr) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("blend mode slice: SliceFunction is a {}: a vtkPlane is drawn",
+                            function->GetClassName()));
+  }
+  FieldSlice slice;
+  slice.normal = Vec3(plane->GetNormal());
+  slice.offset = slice.normal.dot(Vec3(plane->GetOrigin()));
+  slice.colors = look.transfer_function;
+  slice.colors.gradient_opacities.clear();
+  return slice;
 }
 
 void show_sums(Image* image) {

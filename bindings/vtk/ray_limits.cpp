@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "rays.h"
+
 namespace ovoid::mappers {
 namespace {
 
@@ -24,35 +26,6 @@ DepthLimits empty_limits(const View& view) {
 void end_pixel(DepthLimits& limits) {
   limits.first.push_back(static_cast<std::uint32_t>(limits.stops.size()));
 }
-
-// Rays through the pixels' centres, by distance along the view axis.
-class Rays {
- public:
-  explicit Rays(const View& view) : view_(view) {
-    const Camera& camera = view.camera;
-    ahead_ = (camera.focal_point - camera.position).normalized();
-    right_ = ahead_.cross(camera.view_up).normalized();
-    up_ = right_.cross(ahead_);
-    constexpr double kRadians = 3.14159265358979323846 / 180;
-    const double half = camera.parallel_projection ? camera.parallel_scale
-                                                   : std::tan(0.5 * kRadians * camera.view_angle);
-    pixel_ = 2 * half / view.height;
-  }
-
-  // Row 0 at the top.
-  void at(int x, int y, Vec3* origin, Vec3* direction) const {
-    const Vec3 aside =
-        pixel_ * ((x + 0.5 - 0.5 * view_.width) * right_ + (0.5 * view_.height - y - 0.5) * up_);
-    *origin = view_.camera.position;
-    *direction = ahead_;
-    (view_.camera.parallel_projection ? *origin : *direction) += aside;
-  }
-
- private:
-  const View& view_;
-  Vec3 ahead_, right_, up_;
-  double pixel_ = 0;
-};
 
 bool draws(const Cropping& cropping, const Vec3& place) {
   int region = 0;
@@ -115,6 +88,32 @@ DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_da
         is_drawn = is_next;
         limits.stops.push_back(
             {i == 0 ? -kNowhere : static_cast<float>(depths[i - 1]), is_drawn, {}});
+      }
+      end_pixel(limits);
+    }
+  }
+  return limits;
+}
+
+DepthLimits plane_limits(std::span<const ClipPlane> planes, const View& view) {
+  DepthLimits limits = empty_limits(view);
+  const Rays rays(view);
+  for (int y = 0; y < view.height; ++y) {
+    for (int x = 0; x < view.width; ++x) {
+      Vec3 origin, direction;
+      rays.at(x, y, &origin, &direction);
+      double enter = -std::numeric_limits<double>::infinity();
+      double leave = -enter;
+      for (const ClipPlane& plane : planes) {
+        const double slope = plane.normal.dot(direction);
+        const double inside = plane.normal.dot(origin) - plane.offset;
+        if (slope > 0) enter = std::max(enter, -inside / slope);
+        if (slope < 0) leave = std::min(leave, -inside / slope);
+        if (slope == 0 && inside < 0) leave = enter;
+      }
+      if (enter < leave) {
+        limits.stops.push_back({static_cast<float>(enter), true, false, {}});
+        if (leave < kNowhere) limits.stops.push_back({static_cast<float>(leave), false, false, {}});
       }
       end_pixel(limits);
     }

@@ -30,6 +30,9 @@ std::vector<ClipPlane> planes_of_box(const Cropping& cropping, const Affine3& wo
 DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_data,
                           const View& view);
 
+// Where all planes keep the field.
+DepthLimits plane_limits(std::span<const ClipPlane> planes, const View& view);
+
 // Within a box of the world, whose sides may be infinite. A ray's places on a side are the same for
 // the box beyond it.
 // None for bounds (x, x, y, y, z, z) without an end.

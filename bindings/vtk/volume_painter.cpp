@@ -29,9 +29,11 @@
 #include <string>
 #include <utility>
 
+#include "colored_extremes.h"
 #include "grid_dataset.h"
 #include "ovoid/error.h"
 #include "ovoid/further_volumes.h"
+#include "ovoid/geometry.h"
 #include "ovoid/model.h"
 #include "ovoid/render_mesh.h"
 #include "placed_lattice.h"
@@ -117,6 +119,25 @@ std::int64_t shared_bytes_of(const Field& field, const Dataset& dataset) {
   return is_within ? static_cast<std::int64_t>(bytes.size()) : 0;
 }
 
+// Throws Error for several components in a blend mode that has one.
+void require_several(int blend_mode, std::size_t count, bool are_dependent) {
+  const bool is_additive = blend_mode == vtkVolumeMapper::ADDITIVE_BLEND;
+  const char* const name = blend_mode == vtkVolumeMapper::AVERAGE_INTENSITY_BLEND ? "average"
+                           : blend_mode == vtkVolumeMapper::ISOSURFACE_BLEND      ? "isosurface"
+                           : blend_mode == vtkVolumeMapper::SLICE_BLEND           ? "slice"
+                           : is_additive && are_dependent                         ? "additive"
+                                                                                  : nullptr;
+  if (name == nullptr) return;
+  throw Error(ErrorCode::kUnsupported,
+              are_dependent
+                  ? fmt::format("blend mode {}: {} dependent components: composite, maximum and "
+                                "minimum draw them (IndependentComponentsOn, SetVectorMode)",
+                                name, count)
+                  : fmt::format("blend mode {}: {} independent components with a weight: one is "
+                                "drawn (SetComponentWeight 0 of the others, SetVectorMode)",
+                                name, count));
+}
+
 RendererSetup setup_for(int backend, int num_threads) {
   constexpr Backend kBackends[] = {Backend::kAuto, Backend::kCpu, Backend::kVulkan};
   RendererSetup setup;
@@ -135,9 +156,10 @@ void VolumePainter::make_field(vtkDataSet* data, const DrawnValues& drawn,
   const std::size_t num_components = drawn.components.size();
   if (num_components > 1 && dataset.kind != DatasetKind::kLattice) {
     throw Error(ErrorCode::kUnsupported,
-                fmt::format("array '{}': {} independent components at uneven coordinates: one is "
-                            "drawn (SetComponentWeight 0 of the others, SetVectorMode)",
-                            dataset.arrays.front().name, num_components));
+                fmt::format("array '{}': {} {} components at uneven coordinates: one is drawn "
+                            "(SetComponentWeight 0 of the others, SetVectorMode)",
+                            dataset.arrays.front().name, num_components,
+                            drawn.are_dependent ? "dependent" : "independent"));
   }
   FieldModelOptions options;
   options.kernels.is_density = dataset.arrays.empty();  // particles without values
@@ -158,6 +180,7 @@ void VolumePainter::make_field(vtkDataSet* data, const DrawnValues& drawn,
   };
   made_ = field_of(drawn.components.front());
   made_further_.reserve(num_components - 1);
+  if (drawn.are_dependent) dataset.arrays.front().value_scale = 1;  // of colours
   for (std::size_t i = 1; i < num_components; ++i)
     made_further_.push_back(*field_of(drawn.components[i]).lattice());
   shared_bytes_ = shared_bytes_of(made_, dataset);
@@ -314,10 +337,7 @@ void VolumePainter::prepare(vtkVolume* volume, vtkDataSet* data, const MapperSet
 
 double VolumePainter::field_distance(vtkVolume* volume, const MapperSettings& settings) const {
   const auto distance_of = [&](std::size_t component, const Field& field) {
-    return sheet_distance(field,
-                          look_of_property(volume->GetProperty(), drawn_.components[component],
-                                           settings.blend_mode, field),
-                          {});
+    return sheet_distance(field, look_of(volume, component, field, settings), {});
   };
   double distance = distance_of(0, field_);
   for (std::size_t i = 0; i < further_.size(); ++i)
@@ -325,36 +345,69 @@ double VolumePainter::field_distance(vtkVolume* volume, const MapperSettings& se
   return distance;
 }
 
-Look VolumePainter::look_of(vtkRenderer* renderer, vtkVolume* volume, std::size_t component,
-                            const Field& field, const MapperSettings& settings) const {
-  Look look = look_of_property(volume->GetProperty(), drawn_.components[component],
-                               settings.blend_mode, field);
-  take_lights(renderer, field.world_bounds().center(), &look);
+Look VolumePainter::look_of(vtkVolume* volume, std::size_t component, const Field& field,
+                            const MapperSettings& settings) const {
+  vtkVolumeProperty* const property = volume->GetProperty();
+  if (drawn_.are_dependent && component > 0)
+    return look_of_color(property, drawn_, component, field);
+  Look look = look_of_property(property, drawn_.components[component], settings.blend_mode, field);
+  if (!drawn_.are_dependent) return look;
+  if (look.transfer_function_2d) {
+    throw Error(ErrorCode::kUnsupported,
+                "two-dimensional transfer functions: are not drawn of dependent components "
+                "(IndependentComponentsOn, SetVectorMode)");
+  }
+  leave_colors(&look);
   return look;
 }
 
-// VTK's sum of colours is nearest to what Mixing::kAdded shows, and in the modes maximum and
-// minimum the same. What ADDITIVE_BLEND adds are extinctions.
+// VTK's sum of independent components' colours is nearest to what Mixing::kAdded shows, and in the
+// modes maximum and minimum the same. What ADDITIVE_BLEND adds are extinctions.
 void VolumePainter::add_further(vtkRenderer* renderer, vtkVolume* volume,
                                 const MapperSettings& settings, RenderOptions* options) const {
   if (further_.empty()) return;
-  if (settings.blend_mode == vtkVolumeMapper::AVERAGE_INTENSITY_BLEND ||
-      settings.blend_mode == vtkVolumeMapper::ISOSURFACE_BLEND) {
-    const bool is_average = settings.blend_mode == vtkVolumeMapper::AVERAGE_INTENSITY_BLEND;
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("blend mode {}: {} independent components with a weight: one is drawn "
-                            "(SetComponentWeight 0 of the others, SetVectorMode)",
-                            is_average ? "average" : "isosurface", further_.size() + 1));
-  }
-  options->mixing =
-      settings.blend_mode == vtkVolumeMapper::ADDITIVE_BLEND ? Mixing::kAveraged : Mixing::kAdded;
+  require_several(settings.blend_mode, further_.size() + 1, drawn_.are_dependent);
+  options->mixing = drawn_.are_dependent                                     ? Mixing::kColored
+                    : settings.blend_mode == vtkVolumeMapper::ADDITIVE_BLEND ? Mixing::kAveraged
+                                                                             : Mixing::kAdded;
   std::vector<FurtherVolume> volumes;
   volumes.reserve(further_.size());
   for (std::size_t i = 0; i < further_.size(); ++i) {
-    volumes.push_back(
-        {further_[i], look_of(renderer, volume, i + 1, Field(further_[i]), settings)});
+    const Field field(further_[i]);
+    volumes.push_back({further_[i], look_of(volume, i + 1, field, settings)});
+    take_lights(renderer, field.world_bounds().center(), &volumes.back().look);
   }
   options->further = further_volumes(std::move(volumes));
+}
+
+// The library's planes clip the field alone, VTK's the slice, too.
+Frame VolumePainter::draw_slice(vtkVolume* volume, const Look& look, const RenderOptions& options,
+                                const MapperSettings& settings) {
+  Scenery scenery;
+  scenery.slices = {slice_of(volume->GetProperty(), look)};
+  Look unseen = look;
+  unseen.transfer_function.opacities = {{0, 0}};
+  RenderOptions alone = options;
+  alone.sheets = Sheets::kImage;
+  alone.clip_planes.clear();
+  if (!options.clip_planes.empty()) {
+    DepthLimits planes = plane_limits(options.clip_planes, view_);
+    if (options.depth_limits != nullptr) planes = intersection(*options.depth_limits, planes);
+    alone.depth_limits = std::make_shared<const DepthLimits>(std::move(planes));
+  }
+  return render_with_scenery(renderer_for(settings), field_, view_.camera, unseen, scenery, alone);
+}
+
+Frame VolumePainter::draw_extremes(const Look& look, const RenderOptions& options,
+                                   const MapperSettings& settings) {
+  RenderOptions alone = options;
+  alone.sheets = Sheets::kImage;  // on which a pixel's depth is on its own ray
+  alone.further = nullptr;
+  Renderer& renderer = renderer_for(settings);
+  Frame frame = renderer.render(field_, view_.camera, look, alone);
+  alone.further = options.further;
+  times_.renderer += 1e-3 * color_extremes(renderer, field_, view_, alone, &frame.image);
+  return frame;
 }
 
 const KernelSums& VolumePainter::field_sums(const MapperSettings& settings) {
@@ -389,13 +442,18 @@ void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* d
   prepare(volume, data, settings);
   const Affine3 world_from_data = matrix_of(volume);
   const Watch drawing;
-  const Look look = look_of(renderer, volume, 0, field_, settings);
+  Look look = look_of(volume, 0, field_, settings);
+  take_lights(renderer, field_.world_bounds().center(), &look);
   image_distance_ = distance;
   view_ = coarser(view_, distance);
   RenderOptions options = options_for(settings, world_from_data);
   add_further(renderer, volume, settings, &options);
   add_limits(renderer, settings, world_from_data, look, &options);
-  Frame frame = renderer_for(settings).render(field_, view_.camera, look, options);
+  const bool is_slice = settings.blend_mode == vtkVolumeMapper::SLICE_BLEND;
+  Frame frame = is_slice ? draw_slice(volume, look, options, settings)
+                : drawn_.are_dependent && look.mode == Mode::kMaximum
+                    ? draw_extremes(look, options, settings)
+                    : renderer_for(settings).render(field_, view_.camera, look, options);
   times_.renderer += 1e-3 * frame.profile.frame_ms;
   if (settings.blend_mode == vtkVolumeMapper::ADDITIVE_BLEND) show_sums(&frame.image);
   image_ = std::move(frame.image);

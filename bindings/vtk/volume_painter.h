@@ -100,11 +100,16 @@ class VolumePainter {
   void make_field(vtkDataSet* data, const DrawnValues& drawn, const Affine3& world_from_data,
                   const FieldKey& key);
   void place_field(const Affine3& world_from_data);
-  // Of the component of drawn_ that `field` is of, lit as the renderer says.
-  Look look_of(vtkRenderer* renderer, vtkVolume* volume, std::size_t component, const Field& field,
+  // Of the component of drawn_ that `field` is of.
+  Look look_of(vtkVolume* volume, std::size_t component, const Field& field,
                const MapperSettings& settings) const;
   void add_further(vtkRenderer* renderer, vtkVolume* volume, const MapperSettings& settings,
                    RenderOptions* options) const;
+  Frame draw_slice(vtkVolume* volume, const Look& look, const RenderOptions& options,
+                   const MapperSettings& settings);
+  // Of dependent components, in two frames.
+  Frame draw_extremes(const Look& look, const RenderOptions& options,
+                      const MapperSettings& settings);
   Renderer& renderer_for(const MapperSettings& settings);
   RenderOptions options_for(const MapperSettings& settings, const Affine3& world_from_data) const;
   void add_limits(vtkRenderer* renderer, const MapperSettings& settings,

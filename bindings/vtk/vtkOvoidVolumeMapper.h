@@ -42,8 +42,8 @@ class VTKOVOID_EXPORT vtkOvoidVolumeMapper : public vtkVolumeMapper {
   /**
    * Which numbers of an array of several are drawn. DISABLED: as the property says, which are the
    * independent components whose weights are not 0, at most four, each with its own functions,
-   * shading and weight. MAGNITUDE: the Euclidean norm. COMPONENT: VectorComponent. The names are
-   * vtkSmartVolumeMapper's.
+   * shading and weight; or two or four dependent ones. MAGNITUDE: the Euclidean norm. COMPONENT:
+   * VectorComponent. The names are vtkSmartVolumeMapper's.
    */
   enum VectorModeType { DISABLED = -1, MAGNITUDE = 0, COMPONENT = 1 };
   vtkSetClampMacro(VectorMode, int, DISABLED, COMPONENT);

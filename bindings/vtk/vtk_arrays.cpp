@@ -62,17 +62,25 @@ std::string name_of_array(vtkDataArray* array) {
                           array_names(data->GetPointData()), array_names(data->GetCellData())));
 }
 
-// The components that the property gives weight, if they are independent.
+// Of two colour and opacity, of four red, green, blue and opacity.
+std::vector<DrawnComponent> dependent_components(vtkDataArray* array, bool takes_several) {
+  const int count = array->GetNumberOfComponents();
+  if (!takes_several || (count != 2 && count != 4)) {
+    throw Error(ErrorCode::kUnsupported,
+                fmt::format("array '{}': {} dependent components: two or four of an image or even "
+                            "rectilinear grid are drawn (IndependentComponentsOn, SetVectorMode)",
+                            name_of_array(array), count));
+  }
+  std::vector<DrawnComponent> chosen{{count - 1, 0, 1}};
+  for (int i = 0; i + 1 < count; ++i) chosen.push_back({i, 0, 1});
+  return chosen;
+}
+
+// The components that the property gives weight.
 std::vector<DrawnComponent> weighted_components(vtkDataArray* array, bool takes_several,
                                                 vtkVolumeProperty* property) {
   const int count = array->GetNumberOfComponents();
   const std::string name = name_of_array(array);
-  if (property->GetIndependentComponents() == 0) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("array '{}': {} dependent components: are not drawn "
-                            "(IndependentComponentsOn, SetVectorMode)",
-                            name, count));
-  }
   std::vector<DrawnComponent> chosen;
   for (int i = 0; i < std::min(count, VTK_MAX_VRCOMP); ++i) {
     const double weight = property->GetComponentWeight(i);
@@ -192,6 +200,9 @@ DrawnValues drawn_values(vtkDataSet* data, const ArrayChoice& choice, vtkVolumeP
                               choice.vector_component, name, count));
     }
     drawn.components.front().component = choice.vector_component;
+  } else if (property->GetIndependentComponents() == 0) {
+    drawn.are_dependent = true;
+    drawn.components = dependent_components(drawn.array, choice.takes_several);
   } else {
     drawn.components = weighted_components(drawn.array, choice.takes_several, property);
   }

@@ -29,7 +29,7 @@ struct ArrayChoice {
   const char* array_name = nullptr;
   int vector_mode = -1;
   int vector_component = 0;
-  bool takes_several = false;  // independent components at once
+  bool takes_several = false;  // components at once
 };
 
 struct DrawnComponent {
@@ -42,13 +42,16 @@ struct DrawnValues {
   vtkDataArray* array = nullptr;  // null: none is active, and the places alone are drawn
   bool is_cell_data = false;
   std::vector<DrawnComponent> components{DrawnComponent{}};  // one; of takes_several, up to four
+  // The first of `components`, the tuples' last, is what is drawn, and the others are its colours:
+  // a value, or red, green and blue.
+  bool are_dependent = false;
 };
 
 // No array for vtkPointSets whose mapper asks for the usual scalars and that have none: particles
 // may be drawn without. Throws Error: kInvalidArgument that names the arrays where none is active
 // or the chosen one is not there, or a component that the tuples do not have; kUnsupported for
-// dependent components, and for several at once where the choice does not take them, or of tuples
-// of more than the four that a vtkVolumeProperty knows.
+// several at once where the choice does not take them, or of tuples of more than the four that a
+// vtkVolumeProperty knows, and for dependent ones of tuples of other than two or four.
 DrawnValues drawn_values(vtkDataSet* data, const ArrayChoice& choice, vtkVolumeProperty* property);
 
 }  // namespace ovoid::mappers

@@ -7,7 +7,9 @@ import sys
 
 import numpy as np
 from paraview import simple, smstate
-from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
 
 NAME = "Ovoid volume"
@@ -89,6 +91,79 @@ def check_all(folder):
     check("an adaptive grid", adaptive, unshaded, "CELLS")
 
 
+# An image whose array RTData has red, green, blue and opacity, a red half and a blue one, and beside it an array that is 0 in the red half.
+def image_of_colors(folder):
+    side = 16
+    image = vtkImageData()
+    image.SetDimensions(side, side, side)
+    right = (np.mgrid[0:side, 0:side, 0:side][2] >= side // 2).ravel()
+    rgba = np.stack([255 * ~right, 0 * right, 255 * right, 0 * right + 200], axis=1).astype(np.uint8)
+    for name, values in (("RTData", rgba), ("right", right.astype(np.float32)), ("ramp", np.linspace(0, 1, side ** 3, dtype=np.float32))):
+        array = numpy_to_vtk(values, deep=1)
+        array.SetName(name)
+        image.GetPointData().AddArray(array)
+    writer = vtkXMLImageDataWriter()
+    writer.SetFileName(os.path.join(folder, "colors.vti"))
+    writer.SetInputData(image)
+    writer.Write()
+    return simple.XMLImageDataReader(FileName=[writer.GetFileName()])
+
+
+# Of the left and of the right half of a picture, as bright as they get in red, green and blue.
+def halves(view):
+    pixels = picture(view).reshape(200, 200, 3)
+    return pixels[:, :90].max(axis=(0, 1)), pixels[:, 110:].max(axis=(0, 1))
+
+
+def check_colors(folder):
+    view = empty_view()
+    source = image_of_colors(folder)
+    display = shown(source, view)
+    display.MapScalars = 0
+    display.ScalarOpacityFunction.Points = [0, 0, 0.5, 0, 255, 1, 0.5, 0]  # of the fourth component, not of the length of all
+    left, right = halves(view)
+    assert left[0] > 100 and left[2] < 20 and right[2] > 100 and right[0] < 20, f"colours as they are: {left}, {right}"
+    display.MapScalars = 1
+    simple.ColorBy(display, ("POINTS", "ramp"))
+    display.RescaleTransferFunctionToDataRange(False)
+    display.UseSeparateOpacityArray = 1
+    display.OpacityArrayName = ["POINTS", "right"]
+    left, right = halves(view)
+    assert left.max() < 60 and right.max() > 150, f"an opacity array: {left}, {right}"
+    simple.Delete(view)
+    print("colours and opacities: drawn", flush=True)
+
+
+def check_modes():
+    view = empty_view()
+    wavelet = simple.Wavelet()
+    display = shown(wavelet, view)
+    display.BlendMode = "Slice"
+    display.OvoidSliceFunction.Normal = [0.1, 0, 1]
+    pictures = []
+    for place in (-5, 5):
+        display.OvoidSliceFunction.Origin = [0, 0, place]
+        pictures.append(picture(view))
+        assert pictures[-1].max() > 100, "a slice: nothing shows"
+    assert np.abs(pictures[0] - pictures[1]).max() > 50, "a slice: stays where it was"
+    display.BlendMode = "Isosurface"
+    for values in ([120], [120, 180]):
+        display.IsosurfaceValues = values
+        pictures.append(picture(view))
+        assert pictures[-1].max() > 100, "isosurfaces: nothing shows"
+    assert np.abs(pictures[2] - pictures[3]).max() > 20, "isosurfaces: the second does not show"
+    display.BlendMode = "Composite"
+    curves = picture(view)
+    display.UseTransfer2D = 1
+    display.TransferFunction2D = simple.GetTransferFunction2D("RTData")
+    display.TransferFunction2D.Boxes = [150, 0, 60, 1, 1, 0, 0, 0.5]
+    table = picture(view).reshape(-1, 3)
+    assert table[:, 0].max() > 50 and table[:, 1:].max() < 20, f"a two-dimensional function: {table.max(axis=0)}"
+    assert np.abs(table.reshape(curves.shape) - curves).max() > 50, "a two-dimensional function: the curves are drawn"
+    simple.Delete(view)
+    print("slices, isosurfaces, a two-dimensional function: drawn", flush=True)
+
+
 # A state of each kind of representation, with values that are not the defaults.
 def save(folder):
     view = empty_view()
@@ -131,6 +206,8 @@ def main(plugin, folder, what="draw"):
         check_state(folder, "state.py", run_script)
     else:
         check_all(folder)
+        check_colors(folder)
+        check_modes()
         simple.ResetSession()
         simple.LoadPlugin(plugin, remote=False, ns=globals())
         save(folder)

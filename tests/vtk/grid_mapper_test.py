@@ -163,12 +163,6 @@ class BlendModes(MapperCase):
         scene.mapper.SetBlendModeToAverageIntensity()
         self.assert_mode(scene, "mean")
 
-    def test_isosurface(self):
-        scene = Scene(self.image, property_of())
-        scene.mapper.SetBlendModeToIsoSurface()
-        scene.volume.GetProperty().GetIsoSurfaceValues().SetValue(0, 0.6)
-        self.assert_like_program(scene, "--mode", "isosurface", "--iso", "0.6", has_unit=False)
-
     def test_additive(self):
         """As VTK's own mapper adds up, but for its samples. Nothing is added at the faces, which lie half a spacing further out here."""
         pictures = []
@@ -186,11 +180,6 @@ class BlendModes(MapperCase):
         self.assertGreater(inside.mean(), 0.1)
         self.assertLess(np.abs(pictures[0] - pictures[1])[inside].mean(), 3)
         self.assertLess(abs(pictures[0].mean() - pictures[1].mean()), 0.02 * pictures[1].mean())
-
-    def test_not_drawn(self):
-        scene = Scene(self.image, property_of())
-        scene.mapper.SetBlendModeToSlice()
-        self.assert_error(scene, "blend mode", "slice")
 
 
 class Cuts(MapperCase):
@@ -466,11 +455,6 @@ class Errors(MapperCase):
         self.assertEqual(len(scene.errors), 1)
         scene.mapper.SetBlendModeToComposite()
         self.assert_like(scene.draw(), good, EXACT)
-
-    def test_two_dimensional_functions(self):
-        prop = property_of()
-        prop.SetTransferFunctionMode(1)
-        self.assert_error(Scene(self.image, prop), "two-dimensional")
 
     def test_degenerate_matrix(self):
         scene = Scene(self.image, property_of())

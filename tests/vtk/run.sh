@@ -13,9 +13,10 @@ if ! "$python" -c 'import numpy, vtkmodules.vtkRenderingVolumeOpenGL2' 2>/dev/nu
   echo "skipped: $python has no numpy and vtkmodules (packages python3-numpy, python3-vtk9)"
   exit 77
 fi
-# The server finds a free number by itself and tells it, so that tests beside each other do not take the same.
+# The server finds a free number by itself and tells it, so that tests beside each other do not take the same, and stays as it is when the
+# last window closes, since the next may open at that moment.
 number=$(mktemp)
-Xvfb -displayfd 3 -screen 0 1280x1024x24 -nolisten tcp 3>"$number" >/dev/null 2>&1 &
+Xvfb -displayfd 3 -screen 0 1280x1024x24 -nolisten tcp -noreset 3>"$number" >/dev/null 2>&1 &
 server=$!
 trap 'kill $server 2>/dev/null; rm -f "$number"' EXIT
 until [[ -s $number ]]; do

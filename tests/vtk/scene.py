@@ -42,6 +42,11 @@ def image_of(values, spacing=(1, 1, 1), origin=(0, 0, 0)):
     return image, array
 
 
+def together(*values):
+    """An image of several components."""
+    return image_of(np.stack(values, axis=3))[0]
+
+
 COLORS = [(0, 0.9, 0.1, 0.1), (0.7, 0.2, 0.8, 0.3), (1.9, 0.1, 0.3, 1.0)]
 SHELL = [(0.3, 0), (0.5, 0.8), (0.7, 0)]
 FOG = [(0, 0.0), (1.9, 0.08)]

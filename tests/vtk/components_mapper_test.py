@@ -8,10 +8,9 @@ import unittest
 import numpy as np
 from mapper_case import EXACT, SIDE, TRANSLUCENT, MapperCase, vtks_picture
 from ovoid_vtk.vtkOvoid import vtkOvoidUnstructuredGridVolumeMapper, vtkOvoidVolumeMapper
-from scene import BACKGROUND, COLORS, FOG, SHELL, Scene, image_of, look_json, over, property_of, rendered, together, write
-from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction, vtkPlane, vtkPolyData, vtkRectilinearGrid
-from vtkmodules.vtkCommonCore import vtkPoints
+from scene import (BACKGROUND, COLORS, FOG, SHELL, Scene, grid_of, image_of, look_json, over, points_of_pairs, property_of, rendered,
+                   together, write)
+from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction, vtkPlane
 from vtkmodules.vtkFiltersSources import vtkPlaneSource
 from vtkmodules.vtkRenderingCore import vtkLight, vtkVolumeProperty
 from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper, vtkGPUVolumeRayCastMapper
@@ -301,23 +300,11 @@ class NotDrawn(MapperCase):
         self.assert_error(scene, "vulkan")
 
     def test_uneven_grid(self):
-        grid, axis = vtkRectilinearGrid(), numpy_to_vtk(np.arange(SIDE) ** 1.1, deep=1)
-        grid.SetDimensions(SIDE, SIDE, SIDE)
-        grid.SetXCoordinates(axis)
-        grid.SetYCoordinates(axis)
-        grid.SetZCoordinates(axis)
-        grid.GetPointData().SetScalars(self.three.GetPointData().GetScalars())
+        grid = grid_of(self.three.GetPointData().GetScalars(), np.arange(SIDE) ** 1.1)
         self.assert_error(Scene(grid, property_of()), "'values'", "3 independent components", "uneven")
 
     def test_points(self):
-        cloud, points = vtkPolyData(), vtkPoints()
-        for i in range(8):
-            points.InsertNextPoint(i & 1, i >> 1 & 1, i >> 2)
-        cloud.SetPoints(points)
-        array = numpy_to_vtk(np.random.default_rng(1).random((8, 2)), deep=1)
-        array.SetName("pairs")
-        cloud.GetPointData().SetScalars(array)
-        self.assert_error(Scene(cloud, property_of(), vtkOvoidUnstructuredGridVolumeMapper()), "'pairs'", "2 independent components",
+        self.assert_error(Scene(points_of_pairs(), property_of(), vtkOvoidUnstructuredGridVolumeMapper()), "'pairs'", "2 independent components",
                           "one is drawn")
 
 

@@ -6,10 +6,8 @@ import unittest
 import numpy as np
 from mapper_case import EXACT, SIDE, TRANSLUCENT, MapperCase, vtks_picture
 from ovoid_vtk.vtkOvoid import vtkOvoidUnstructuredGridVolumeMapper, vtkOvoidVolumeMapper
-from scene import FOG, SHELL, Scene, property_of, together
-from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction, vtkPlane, vtkPolyData, vtkRectilinearGrid
+from scene import FOG, SHELL, Scene, grid_of, points_of_pairs, property_of, together
+from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction, vtkPlane
 from vtkmodules.vtkFiltersSources import vtkPlaneSource
 from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper, vtkGPUVolumeRayCastMapper
 
@@ -132,12 +130,7 @@ class Two(DependentCase):
         self.assert_parts_join(scene, (7.4, 12))
 
     def test_even_rectilinear_grid(self):
-        grid, axis = vtkRectilinearGrid(), numpy_to_vtk(np.arange(SIDE, dtype=float), deep=1)
-        grid.SetDimensions(SIDE, SIDE, SIDE)
-        grid.SetXCoordinates(axis)
-        grid.SetYCoordinates(axis)
-        grid.SetZCoordinates(axis)
-        grid.GetPointData().SetScalars(self.two.GetPointData().GetScalars())
+        grid = grid_of(self.two.GetPointData().GetScalars(), np.arange(SIDE))
         expected = Scene(self.two, dependent()).draw()
         self.assert_shows(expected)
         self.assert_like(Scene(grid, dependent()).draw(), expected, 0)
@@ -280,23 +273,11 @@ class NotDrawn(DependentCase):
         self.assert_error(scene, "vulkan")
 
     def test_uneven_grid(self):
-        grid, axis = vtkRectilinearGrid(), numpy_to_vtk(np.arange(SIDE) ** 1.1, deep=1)
-        grid.SetDimensions(SIDE, SIDE, SIDE)
-        grid.SetXCoordinates(axis)
-        grid.SetYCoordinates(axis)
-        grid.SetZCoordinates(axis)
-        grid.GetPointData().SetScalars(self.two.GetPointData().GetScalars())
+        grid = grid_of(self.two.GetPointData().GetScalars(), np.arange(SIDE) ** 1.1)
         self.assert_error(Scene(grid, dependent()), "'values'", "2 dependent components", "uneven")
 
     def test_points(self):
-        cloud, points = vtkPolyData(), vtkPoints()
-        for i in range(8):
-            points.InsertNextPoint(i & 1, i >> 1 & 1, i >> 2)
-        cloud.SetPoints(points)
-        array = numpy_to_vtk(np.random.default_rng(1).random((8, 2)), deep=1)
-        array.SetName("pairs")
-        cloud.GetPointData().SetScalars(array)
-        self.assert_error(Scene(cloud, dependent(), vtkOvoidUnstructuredGridVolumeMapper()), "'pairs'", "2 dependent components")
+        self.assert_error(Scene(points_of_pairs(), dependent(), vtkOvoidUnstructuredGridVolumeMapper()), "'pairs'", "2 dependent components")
 
 
 if __name__ == "__main__":

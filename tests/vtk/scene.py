@@ -9,7 +9,8 @@ import numpy as np
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  the render windows
 import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401  VTK's own mappers
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction, vtkPolyData, vtkRectilinearGrid
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter, vtkXMLPolyDataWriter, vtkXMLRectilinearGridWriter, vtkXMLUnstructuredGridWriter
 from vtkmodules.vtkRenderingCore import (vtkActor, vtkColorTransferFunction, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkVolume,
                                          vtkVolumeProperty, vtkWindowToImageFilter)
@@ -28,6 +29,29 @@ def bumps(side, dtype=np.float32):
     values = np.sqrt(x * x + y * y + z * z) + 0.15 * np.sin(7 * x) * np.sin(6 * y)
     values -= values.min()
     return (values * (255 / values.max())).astype(dtype) if dtype == np.uint8 else values.astype(dtype)
+
+
+def grid_of(values, coordinates):
+    """A rectilinear grid of an image's values, with the same coordinates along all axes."""
+    grid, axis = vtkRectilinearGrid(), numpy_to_vtk(np.asarray(coordinates, dtype=float), deep=1)
+    grid.SetDimensions(*3 * [len(coordinates)])
+    grid.SetXCoordinates(axis)
+    grid.SetYCoordinates(axis)
+    grid.SetZCoordinates(axis)
+    grid.GetPointData().SetScalars(values)
+    return grid
+
+
+def points_of_pairs():
+    """The corners of a cube, with an array 'pairs' of two components."""
+    cloud, points = vtkPolyData(), vtkPoints()
+    for i in range(8):
+        points.InsertNextPoint(i & 1, i >> 1 & 1, i >> 2)
+    cloud.SetPoints(points)
+    array = numpy_to_vtk(np.random.default_rng(1).random((8, 2)), deep=1)
+    array.SetName("pairs")
+    cloud.GetPointData().SetScalars(array)
+    return cloud
 
 
 def image_of(values, spacing=(1, 1, 1), origin=(0, 0, 0)):

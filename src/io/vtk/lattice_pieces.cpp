@@ -48,7 +48,6 @@ template <class Row>
 void for_each_row(const VtkExtent& whole, const VtkExtent& piece, bool are_cells, const Row& row) {
   const Index3 all = sizes_of(whole, whole, are_cells);
   const Index3 own = sizes_of(whole, piece, are_cells);
-  if (num_samples(own) == 0) return;
   for (std::int64_t z = 0; z < own[2]; ++z) {
     for (std::int64_t y = 0; y < own[1]; ++y) {
       const std::int64_t in_whole =
@@ -124,7 +123,7 @@ bool LatticeAssembly::lies_in_lattice(const LatticePiece& piece, const LatticeGe
   return (lattice.world_from_index.translation() - whole * first).norm() <= kSame * spacing;
 }
 
-// Where an array of a piece goes; null if not all pieces before have it.
+// Where an array of a piece goes; null if the first piece of its kind did not have it.
 LatticeAssembly::Whole* LatticeAssembly::whole_of(const DataArray& array, bool is_first) {
   const auto found = std::find_if(arrays_.begin(), arrays_.end(), [&](const Whole& whole) {
     return whole.array.name == array.name && whole.array.is_cell_data == array.is_cell_data;
@@ -143,12 +142,13 @@ LatticeAssembly::Whole* LatticeAssembly::whole_of(const DataArray& array, bool i
   return &arrays_.back();
 }
 
-void LatticeAssembly::take(const LatticePiece& piece, const Dataset& dataset, bool is_cell_data,
-                           bool is_first) {
+void LatticeAssembly::take(const LatticePiece& piece, const Dataset& dataset, bool is_cell_data) {
+  const Index3 sizes = sizes_of(layout_.whole, piece.extent, is_cell_data);
+  if (num_samples(sizes) == 0) return;  // a layer of samples has no cells of the whole
   std::vector<bool>& come = is_cell_data ? cells_come_ : points_come_;
   const std::span<const std::byte> ghosts = ghosts_of(dataset, is_cell_data);
-  const auto length =
-      static_cast<std::size_t>(sizes_of(layout_.whole, piece.extent, is_cell_data)[0]);
+  const auto length = static_cast<std::size_t>(sizes[0]);
+  const bool is_first = come.empty();
   bool has_any = false;
   for (const DataArray& array : dataset.arrays) {
     if (array.is_cell_data != is_cell_data || array.name == kGhostArray) continue;
@@ -173,13 +173,13 @@ void LatticeAssembly::take(const LatticePiece& piece, const Dataset& dataset, bo
         return;
       }
       for (std::size_t i = 0; i < length; ++i) {
-        if (is_duplicate(ghosts[from + i]) && !come.empty() && come[to + i]) continue;
+        if (is_duplicate(ghosts[from + i]) && !is_first && come[to + i]) continue;
         std::memcpy(whole->to + (to + i) * size, source + i * size, size);
       }
     });
   }
   if (!has_any) return;
-  if (come.empty()) {
+  if (is_first) {
     come.resize(static_cast<std::size_t>(
         num_samples(sizes_of(layout_.whole, layout_.whole, is_cell_data))));
   }
@@ -196,9 +196,8 @@ bool LatticeAssembly::add(std::size_t index, const Dataset& dataset) {
                                           source_, dims_text(piece.extent.dims())));
   }
   if (!lies_in_lattice(piece, dataset.lattice)) return false;
-  const bool is_first = num_pieces_++ == 0;
-  for (const bool is_cell_data : {false, true}) take(piece, dataset, is_cell_data, is_first);
-  if (is_first) times_ = dataset.times;
+  for (const bool is_cell_data : {false, true}) take(piece, dataset, is_cell_data);
+  if (num_pieces_++ == 0) times_ = dataset.times;
   for (const std::string& note : dataset.notes)
     if (notes_.size() < 100) notes_.push_back(note);
   return true;

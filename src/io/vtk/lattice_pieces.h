@@ -54,7 +54,7 @@ class LatticeAssembly {
 
   bool lies_in_lattice(const LatticePiece& piece, const LatticeGeometry& lattice);
   Whole* whole_of(const DataArray& array, bool is_first);
-  void take(const LatticePiece& piece, const Dataset& dataset, bool is_cell_data, bool is_first);
+  void take(const LatticePiece& piece, const Dataset& dataset, bool is_cell_data);
 
   std::string source_;
   LatticeInPieces layout_;

@@ -174,6 +174,28 @@ TEST(LatticePieces, LeaveOutWhatNotAllHave) {
   }
 }
 
+// VTK says that a layer of samples has cells; the whole has none there, whichever piece comes
+// first.
+TEST(LatticePieces, OfOneLayerHaveNoCells) {
+  const VtkExtent left{{-2, 0, 5}, {1, 3, 8}}, layer{{-2, 0, 5}, {4, 3, 5}},
+      right{{1, 0, 5}, {4, 3, 8}};
+  Dataset flat = piece_of(layer);
+  flat.arrays[0].is_cell_data = true;
+  for (const bool is_flat_first : {true, false}) {
+    const std::vector<VtkExtent> pieces =
+        is_flat_first ? std::vector{layer, left, right} : std::vector{left, layer, right};
+    LatticeAssembly assembly("a.pvti", layout_of(file_of(pieces)));
+    Dataset with_more = piece_of(left, true), without = piece_of(right, true);
+    with_more.arrays.push_back(with_more.arrays[0]);
+    with_more.arrays[0].name = "more";
+    ASSERT_TRUE(assembly.add(0, is_flat_first ? flat : with_more));
+    flat.arrays[0].name = "more";  // which is not in the last piece
+    ASSERT_TRUE(assembly.add(1, is_flat_first ? with_more : flat));
+    ASSERT_TRUE(assembly.add(2, without));
+    expect_whole(assembly.finish({}), true);
+  }
+}
+
 TEST(LatticePieces, ThatAreMissingAreTold) {
   std::vector<VtkExtent> pieces = pieces_of_whole();
   pieces.pop_back();

@@ -38,6 +38,34 @@ bool draws(const Cropping& cropping, const Vec3& place) {
   return (cropping.regions >> region & 1U) != 0;
 }
 
+// Of a ray, what is drawn of it.
+struct Span {
+  double enter = -std::numeric_limits<double>::infinity();
+  double leave = std::numeric_limits<double>::infinity();
+};
+
+// Span of(origin, direction) of each pixel's ray; where one ends the field does, or, at seams,
+// another frame goes on.
+template <class Of>
+DepthLimits limits_of_spans(const View& view, bool are_seams, const Of& of) {
+  DepthLimits limits = empty_limits(view);
+  const Rays rays(view);
+  for (int y = 0; y < view.height; ++y) {
+    for (int x = 0; x < view.width; ++x) {
+      Vec3 origin, direction;
+      rays.at(x, y, &origin, &direction);
+      const auto [enter, leave] = of(origin, direction);
+      if (enter < leave) {
+        limits.stops.push_back({static_cast<float>(enter), true, are_seams, {}});
+        if (leave < kNowhere)
+          limits.stops.push_back({static_cast<float>(leave), false, are_seams, {}});
+      }
+      end_pixel(limits);
+    }
+  }
+  return limits;
+}
+
 }  // namespace
 
 bool is_one_box(const Cropping& cropping) { return cropping.regions == kMiddleRegion; }
@@ -96,29 +124,17 @@ DepthLimits region_limits(const Cropping& cropping, const Affine3& world_from_da
 }
 
 DepthLimits plane_limits(std::span<const ClipPlane> planes, const View& view) {
-  DepthLimits limits = empty_limits(view);
-  const Rays rays(view);
-  for (int y = 0; y < view.height; ++y) {
-    for (int x = 0; x < view.width; ++x) {
-      Vec3 origin, direction;
-      rays.at(x, y, &origin, &direction);
-      double enter = -std::numeric_limits<double>::infinity();
-      double leave = -enter;
-      for (const ClipPlane& plane : planes) {
-        const double slope = plane.normal.dot(direction);
-        const double inside = plane.normal.dot(origin) - plane.offset;
-        if (slope > 0) enter = std::max(enter, -inside / slope);
-        if (slope < 0) leave = std::min(leave, -inside / slope);
-        if (slope == 0 && inside < 0) leave = enter;
-      }
-      if (enter < leave) {
-        limits.stops.push_back({static_cast<float>(enter), true, false, {}});
-        if (leave < kNowhere) limits.stops.push_back({static_cast<float>(leave), false, false, {}});
-      }
-      end_pixel(limits);
+  return limits_of_spans(view, false, [&](const Vec3& origin, const Vec3& direction) {
+    Span span;
+    for (const ClipPlane& plane : planes) {
+      const double slope = plane.normal.dot(direction);
+      const double inside = plane.normal.dot(origin) - plane.offset;
+      if (slope > 0) span.enter = std::max(span.enter, -inside / slope);
+      if (slope < 0) span.leave = std::min(span.leave, -inside / slope);
+      if (slope == 0 && inside < 0) span.leave = span.enter;
     }
-  }
-  return limits;
+    return span;
+  });
 }
 
 std::optional<Bounds3> owned_box(const double bounds[6]) {
@@ -137,33 +153,22 @@ void widen(double bounds[6]) {
 }
 
 DepthLimits box_limits(const Bounds3& world, const View& view) {
-  DepthLimits limits = empty_limits(view);
-  const Rays rays(view);
-  for (int y = 0; y < view.height; ++y) {
-    for (int x = 0; x < view.width; ++x) {
-      Vec3 origin, direction;
-      rays.at(x, y, &origin, &direction);
-      double enter = -std::numeric_limits<double>::infinity();
-      double leave = -enter;
-      for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        const double slope = direction[axis];
-        if (slope == 0) {
-          if (origin[axis] < world.min()[axis] || origin[axis] >= world.max()[axis]) leave = enter;
-          continue;
-        }
-        const double to_min = (world.min()[axis] - origin[axis]) / slope;
-        const double to_max = (world.max()[axis] - origin[axis]) / slope;
-        enter = std::max(enter, std::min(to_min, to_max));
-        leave = std::min(leave, std::max(to_min, to_max));
+  return limits_of_spans(view, true, [&](const Vec3& origin, const Vec3& direction) {
+    Span span;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const double slope = direction[axis];
+      if (slope == 0) {
+        if (origin[axis] < world.min()[axis] || origin[axis] >= world.max()[axis])
+          span.leave = span.enter;
+        continue;
       }
-      if (enter < leave) {
-        limits.stops.push_back({static_cast<float>(enter), true, true, {}});
-        if (leave < kNowhere) limits.stops.push_back({static_cast<float>(leave), false, true, {}});
-      }
-      end_pixel(limits);
+      const double to_min = (world.min()[axis] - origin[axis]) / slope;
+      const double to_max = (world.max()[axis] - origin[axis]) / slope;
+      span.enter = std::max(span.enter, std::min(to_min, to_max));
+      span.leave = std::min(span.leave, std::max(to_min, to_max));
     }
-  }
-  return limits;
+    return span;
+  });
 }
 
 void limits_before(std::span<const float> depths, const View& view, DepthLimits* limits) {

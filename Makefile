@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Everything a person or CI does here, by one word each. `make help` lists the words.
 .DEFAULT_GOAL := help
-.PHONY: help run test build setup check format sanitize asan tsan scalar fuzz mutants bench experiments pictures install package wheel clean
+.PHONY: help run test build setup quick nightly check format sanitize asan tsan fuzz mutants bench experiments pictures install package wheel clean
 
 JOBS ?= $(shell nproc)
 SECONDS ?= 60
@@ -11,11 +11,11 @@ export JOBS
 help:  ## list these words
 	@sed -nE 's/^([a-z]+):.*## (.*)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
 
-run: setup  ## set up, build what a first picture needs, and draw a sample volume to build/sample.png
-	@scripts/build.sh release ovoid_program
-	@scripts/sample.sh
+run:  ## set up, build what a first picture needs, and draw a sample volume to build/sample.png
+	@scripts/run.sh
 
 test: setup  ## set up, build, and run all tests
+	@scripts/setup.sh test
 	@scripts/build.sh release
 	@scripts/run_tests.sh release
 
@@ -23,7 +23,14 @@ build: setup  ## set up and build the program, its readers and its window: build
 	@scripts/build.sh release ovoid_program ovoid_reader ovoid_viewer
 
 setup:  ## install the distribution's packages (nothing to do when they are there)
-	@scripts/setup.sh build
+	@scripts/setup.sh program build
+
+quick:  ## build and test the parts that changed since the last commit, or PART="io render/cpu"; minutes the first time, then under one
+	@scripts/setup.sh program build test
+	@python3 scripts/quick.py $(PART)
+
+nightly:  ## all that takes longer than a commit's checks may, in parts (PART="asan tsan"); goes on where it was stopped
+	@scripts/nightly.sh $(PART)
 
 check: build  ## style, dependency direction, licences, clang-tidy
 	@scripts/setup.sh check
@@ -33,17 +40,12 @@ format: setup  ## clang-format all sources in place
 	@scripts/setup.sh check
 	@scripts/check_format.sh --fix
 
-sanitize: asan tsan scalar  ## the tests under sanitizers, and with the scalar SIMD target alone
+sanitize: asan tsan  ## the tests of what reads files, makes models and has threads, under sanitizers
 
-# Without the tests that run one thread, or run the program, which has no vector code of its own; under ThreadSanitizer without pictures
-# that are compared, which take half a minute each there.
-asan scalar: setup
-	@scripts/build.sh $@ unit_tests agreement_tests
-	@scripts/run_tests.sh $@
-
-tsan: setup
-	@scripts/build.sh $@ unit_tests
-	@scripts/run_tests.sh $@
+asan tsan: setup
+	@scripts/setup.sh test
+	@scripts/build.sh $@ tests_labelled_$@
+	@scripts/run_tests.sh $@ -L $@
 
 fuzz: setup  ## fuzz the readers for SECONDS (60) each
 	@scripts/setup.sh fuzz

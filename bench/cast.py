@@ -4,7 +4,7 @@
 
 A head of 256^3 samples alone, over a floor, and within balls of ever more triangles. For each the times to make the light volume, with occlusion alone and with shadows
 alone, which a scene's first frame takes, and to draw the surfaces, which every frame takes; medians, by turns. That light is right is told by
-`unit_tests --gtest_filter=SurfaceExtinction.*`."""
+`render_tests --gtest_filter=SurfaceExtinction.*`."""
 import json
 import math
 import os

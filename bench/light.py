@@ -4,7 +4,7 @@
 
 For each file the time of a frame without it, with occlusion, and with occlusion, shadows and scattering, by turns; the ratios; and the time
 to make the volume, which the first frame takes. Without files, for what `ovoid make` makes of a lattice, a mesh and particles. How near the
-volume is to random rays through the field itself is told by `unit_tests --gtest_filter=LightVolume.*`."""
+volume is to random rays through the field itself is told by `render_tests --gtest_filter=LightVolume.*`."""
 import json
 import os
 import statistics

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # The flags every target shares, and how a folder of src/ becomes a part of the library.
 
+set(OVOID_IS_X86 OFF)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  set(OVOID_IS_X86 ON)
+endif()
+
 add_library(ovoid_flags INTERFACE)
 # -ffp-contract=off: results do not depend on what the compiler chooses to fuse; SIMD code asks for fused operations by name.
 target_compile_options(ovoid_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
@@ -20,6 +25,11 @@ function(ovoid_precompile target owner)
     target_precompile_headers(${target} PRIVATE ${ARGN})
     set_property(GLOBAL PROPERTY ${owner} ${target})
   endif()
+endfunction()
+
+# Code that no frame waits for: -O1 and -O2 take a quarter and a tenth of the compiler's time less than -O3.
+function(ovoid_optimise target level)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O${level}>)
 endfunction()
 
 # ovoid_part(name FOLDERS folders... LINK libraries...): an object library of the sources in this folder and in those (x_test.cpp files belong to tests/).
@@ -50,17 +60,48 @@ function(ovoid_unloads_nothing target)
   endif()
 endfunction()
 
-# The instruction sets for which a part's SIMD sources are compiled; all parts must agree. Scalar, SSE4, AVX2 and AVX-512 on x86; those
-# between bring nothing here but compile time.
-function(ovoid_simd_targets part)
+# The SIMD targets of x86, by the names that OVOID_TARGET knows; Highway's other ones bring nothing here but compile time.
+set(OVOID_X86_TARGETS scalar sse4 avx2 avx3)
+if(OVOID_SIMD STREQUAL "few")
+  set(OVOID_X86_TARGETS scalar avx2)
+endif()
+
+# ovoid_simd_sources(part sources... UNITS sources...): sources that Highway compiles once for each SIMD target. Of those under UNITS each
+# target is a unit of its own, beside one that chooses among them and sees OVOID_SIMD_UNITS: they are dear, so compile beside each other,
+# and none again because another target is wanted, too.
+function(ovoid_simd_sources part)
+  cmake_parse_arguments(ARG "" "" "UNITS" ${ARGN})
+  set(sources ${ARG_UNPARSED_ARGUMENTS} ${ARG_UNITS})
+  set_source_files_properties(${sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # no two fit into one unit
   if(OVOID_SIMD STREQUAL "scalar")
-    target_compile_definitions(${part} PRIVATE HWY_COMPILE_ONLY_SCALAR)
+    set_source_files_properties(${sources} PROPERTIES COMPILE_DEFINITIONS HWY_COMPILE_ONLY_SCALAR)
+    return()
   elseif(OVOID_SIMD STREQUAL "one")
-    target_compile_definitions(${part} PRIVATE HWY_COMPILE_ONLY_STATIC)
-    if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-      target_compile_definitions(${part} PRIVATE HWY_BASELINE_TARGETS=HWY_AVX2)
-    endif()
-  else()
-    target_compile_definitions(${part} PRIVATE "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_AVX3_DL)")
+    set_source_files_properties(${sources} PROPERTIES COMPILE_DEFINITIONS
+      "HWY_COMPILE_ONLY_STATIC$<$<BOOL:${OVOID_IS_X86}>:$<SEMICOLON>HWY_BASELINE_TARGETS=HWY_AVX2>")
+    return()
+  elseif(NOT OVOID_IS_X86)
+    return()
   endif()
+  set(disabled HWY_SSSE3|HWY_AVX3_DL)
+  if(OVOID_SIMD STREQUAL "few")
+    string(APPEND disabled |HWY_SSE4|HWY_AVX3)
+  endif()
+  set_source_files_properties(${sources} PROPERTIES COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(${disabled})")
+  foreach(source IN LISTS ARG_UNITS)
+    set_property(SOURCE ${source} APPEND PROPERTY COMPILE_DEFINITIONS OVOID_SIMD_UNITS)
+    foreach(target IN LISTS OVOID_X86_TARGETS)
+      set(baseline)
+      if(NOT target STREQUAL "scalar")  # Highway's own choice where no flag promises more
+        string(TOUPPER "#define HWY_BASELINE_TARGETS HWY_${target}\n" baseline)
+        string(REPLACE "#DEFINE" "#define" baseline "${baseline}")
+      endif()
+      cmake_path(GET source STEM stem)
+      set(unit ${CMAKE_CURRENT_BINARY_DIR}/${stem}.${target}.cpp)
+      file(CONFIGURE OUTPUT ${unit} @ONLY CONTENT
+           "#define HWY_COMPILE_ONLY_STATIC\n${baseline}#define OVOID_SIMD_UNIT\n#include \"${CMAKE_CURRENT_SOURCE_DIR}/${source}\"\n")
+      target_sources(${part} PRIVATE ${unit})
+      set_source_files_properties(${unit} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    endforeach()
+  endforeach()
 endfunction()

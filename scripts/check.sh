@@ -9,13 +9,12 @@ declare -A checks=(
   [dependencies]="python3 scripts/check_dependencies.py"
   [references]="python3 scripts/check_references.py"
   [unity]="python3 scripts/check_unity.py"
-  [test_names]="python3 scripts/check_test_names.py"
   [format]="scripts/check_format.sh"
   [licences]="python3 scripts/check_licences.py build/release/bin/ovoid build/release/bin/ovoid-viewer build/release/bin/ovoid-read build/release/bin/ovoid-read-vdb scripts/licences.txt"
   [tidy]="python3 scripts/check_tidy.py"
 )
 names=("$@")
-((${#names[@]})) || names=(text dependencies references unity test_names format licences tidy)
+((${#names[@]})) || names=(text dependencies references unity format licences tidy)
 
 passed=0
 failed=0

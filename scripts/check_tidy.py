@@ -3,8 +3,12 @@
 """Runs clang-tidy over the project's own sources, tests aside: check_tidy.py [FILE...].
 
 Sources of one folder are read together (a unity build that is configured and never built), because most of the time goes into the
-headers they share. A unit that passed is not read again until one of its sources, a header of the project, its flags or .clang-tidy
+headers they share. A unit that passed is not read again until one of its sources, a header that these include, its flags or .clang-tidy
 change: what passed is remembered by hash in build/tidy.
+
+Nor is what has not changed since everything passed: the commit of which that is true is recorded in .ci/tidy-base (`make nightly` says
+when it can be moved), so a fresh clone reads what differs from it, and what includes what differs. Everything is read where the commit
+is not there, as in a shallow clone, where what decides over all differs (ALL), and with OVOID_TIDY_BASE=none.
 """
 import concurrent.futures
 import hashlib
@@ -17,6 +21,9 @@ import sys
 from sources import ROOT, project_files, read_text
 
 FOLDER = os.path.join(ROOT, "build", "tidy")
+BASE = ".ci/tidy-base"
+ALL = (".clang-tidy", "CMakePresets.json", "scripts/check_tidy.py")
+INCLUDE = re.compile(r'^\s*#\s*include [<"]([^>"]+)[>"]', re.M)
 
 
 def hash_of(*texts):
@@ -49,11 +56,42 @@ def read_units():
 
 
 def run_tidy(path):
-    # SIMD code is read once, not once per target.
-    command = ["clang-tidy", "-p", FOLDER, "--quiet", "--extra-arg=-DHWY_COMPILE_ONLY_STATIC", path]
+    command = ["clang-tidy", "-p", FOLDER, "--quiet", path]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     broken = "Error parsing" in done.stderr  # of .clang-tidy, which clang-tidy does not think worth an exit code
     return done.returncode == 0 and not broken, done.stderr if broken else done.stdout
+
+
+def included_by(paths):
+    """Each of the project's files to those that it includes, directly or not, and itself."""
+    known = set(paths)
+    direct = {}
+    for path in paths:
+        names = INCLUDE.findall(read_text(path))
+        places = [[os.path.join(root, name) for root in ("include", "src", os.path.dirname(path), "apps/ovoid", "apps/viewer", "bench")]
+                  for name in names]
+        direct[path] = {next((os.path.normpath(p) for p in found if os.path.normpath(p) in known), None) for found in places} - {None}
+    reached = {}
+    for path in paths:
+        seen, todo = set(), [path]
+        while todo:
+            one = todo.pop()
+            if one not in seen:
+                seen.add(one)
+                todo += direct[one]
+        reached[path] = seen
+    return reached
+
+
+def changed_since_base():
+    """Files that differ from the recorded commit, and its name; None where everything is to be read."""
+    base = os.environ.get("OVOID_TIDY_BASE") or (read_text(BASE).strip() if os.path.exists(os.path.join(ROOT, BASE)) else "none")
+    git = ["git", "-C", ROOT]
+    if subprocess.run([*git, "merge-base", "--is-ancestor", base, "HEAD"], capture_output=True).returncode:
+        return None, base
+    changed = subprocess.run([*git, "diff", "--name-only", base], check=True, capture_output=True, text=True).stdout.split("\n")
+    changed += subprocess.run([*git, "ls-files", "--others", "--exclude-standard"], check=True, capture_output=True, text=True).stdout.split("\n")
+    return (None if set(changed) & set(ALL) else set(changed) - {""}), base
 
 
 def main(wanted):
@@ -63,12 +101,14 @@ def main(wanted):
         sys.exit(f"not a source that is built: {', '.join(sorted(unknown))}")
     memory = os.path.join(FOLDER, "passed")
     os.makedirs(memory, exist_ok=True)
-    common = hash_of(read_text(".clang-tidy"), *(read_text(path) for path in project_files("*.h")))
+    reached = included_by(project_files("*.h", "*.cpp"))
+    changed, base = (None, "none") if wanted else changed_since_base()
     due = {}
     for path, (command, sources) in units.items():
-        if wanted and not set(wanted) & set(sources):
+        files = sorted(set().union(*(reached[source] for source in sources)))
+        if wanted and not set(wanted) & set(sources) or changed is not None and not changed & set(files):
             continue
-        mark = os.path.join(memory, hash_of(common, command, *(read_text(source) for source in sources)))
+        mark = os.path.join(memory, hash_of(read_text(".clang-tidy"), command, *(read_text(file) for file in files)))
         if not os.path.exists(mark):
             due[path] = mark
     failed = False
@@ -80,7 +120,8 @@ def main(wanted):
             else:
                 failed = True
                 print(output.strip() or f"{path}: clang-tidy failed without a word")
-    print(f"{sum(len(sources) for _, sources in units.values())} sources, {len(due)} of {len(units)} units read anew")
+    print(f"{sum(len(sources) for _, sources in units.values())} sources, {len(due)} of {len(units)} units read anew"
+          + ("" if changed is None else f", of what differs from {base[:12]}"))
     return 1 if failed else 0
 
 

@@ -5,12 +5,13 @@
   tally.py junit NAME FILE FOLDER counts a ctest JUnit file, with the tests that GoogleTest's files in FOLDER tell of, prints one
                                   line, adds it to the tally
   tally.py add NAME P F S         adds counts to the tally
-  tally.py ran PREFIX FILE        exits 1 unless a test of that prefix in a ctest JUnit file has run
+  tally.py ran PROGRAM FOLDER     exits 1 unless a test of that program has run, by GoogleTest's files in FOLDER
   tally.py failures               prints how many failures the tally holds
   tally.py sum                    prints what failed, again, and the tally's closing line; exits 1 if anything failed or nothing passed
 
 The tally is the file named by OVOID_TALLY; without that variable nothing is kept. What failed tests said last is kept beside it.
 """
+import glob
 import os
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -30,7 +31,18 @@ def add(name, passed, failed, skipped):
             tally.write(f"{name} {passed} {failed} {skipped}\n")
 
 
-def keep_failures(name, path):
+def failures_in(shard):
+    """What the failed tests of one of GoogleTest's files have to say."""
+    if not os.path.exists(shard):
+        return
+    for test in ElementTree.parse(shard).getroot().iter("testcase"):
+        said = "\n".join(failure.get("message") or "" for failure in test.iter("failure")).splitlines()
+        if said:
+            yield f"{test.get('classname')}.{test.get('name')}:"
+            yield from said[:LAST_LINES]
+
+
+def keep_failures(name, path, shards):
     """The failed tests of a JUnit file, and the end of what they printed: logs are long, and often cut at their beginning."""
     tally = os.environ.get("OVOID_TALLY")
     if not tally:
@@ -39,7 +51,8 @@ def keep_failures(name, path):
         for case in ElementTree.parse(path).getroot().iter("testcase"):
             if case.get("status") != "fail":
                 continue
-            said = (case.findtext("system-out") or "").strip().splitlines()[-LAST_LINES:]
+            said = list(failures_in(os.path.join(shards, case.get("name") + ".xml")))
+            said = said or (case.findtext("system-out") or "").strip().splitlines()[-LAST_LINES:]
             kept.write("\n".join([f"--- {name}: {case.get('name')} failed; its last lines:", *said, ""]))
 
 
@@ -81,14 +94,14 @@ def main(arguments):
     if command == "junit":
         counts = count_junit(arguments[2], arguments[3])
         add(arguments[1], *counts)
-        keep_failures(arguments[1], arguments[2])
+        keep_failures(*arguments[1:4])
         print(f"{arguments[1]}: {closing_line(*counts)}")
     elif command == "add":
         add(arguments[1], *(int(value) for value in arguments[2:5]))
     elif command == "ran":
-        cases = ElementTree.parse(arguments[2]).getroot().iter("testcase")
-        ran = sum(case.get("name", "").startswith(arguments[1]) and case.get("status") == "run" for case in cases)
-        print(f"{ran} tests {arguments[1]}* ran")
+        ran = sum(case.get("result") == "completed" for path in glob.glob(os.path.join(arguments[2], f"{arguments[1]}.*.xml"))
+                  for case in ElementTree.parse(path).getroot().iter("testcase"))
+        print(f"{ran} tests of {arguments[1]} ran")
         return 0 if ran else 1
     elif command == "failures":
         print(total()[1])

@@ -191,7 +191,7 @@ void check_frames_are_no_inputs(const AnimateFlags& animate, const FrameNames& n
 }
 
 // Everything that is the same in all frames.
-struct Scenery {
+struct SceneAtTime {
   Described described;
   Look look;
   ValueRange values;
@@ -253,7 +253,8 @@ void fix_array(const Dataset& dataset, const Modelled& modelled, ModelFlags* mod
   model->array = modelled.array;
 }
 
-CameraSubject subject_of(const Scenery& scenery, const Field& field, const DrawingFlags& drawing) {
+CameraSubject subject_of(const SceneAtTime& scenery, const Field& field,
+                         const DrawingFlags& drawing) {
   const RenderOptions& options = drawing.options;
   return {field,
           scenery.look,
@@ -268,8 +269,8 @@ CameraSubject subject_of(const Scenery& scenery, const Field& field, const Drawi
           &scenery.beside.slices};
 }
 
-Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& flags,
-                     AnimateFlags* animate, Session& session) {
+SceneAtTime make_scenery(const Series& series, const Chosen& chosen, const Flags& flags,
+                         AnimateFlags* animate, Session& session) {
   DrawingFlags& drawing = animate->drawing;
   Dataset dataset = data_at(series, chosen.time, drawing, session);
   check_format_flags(animate->data, dataset);
@@ -294,7 +295,7 @@ Scenery make_scenery(const Series& series, const Chosen& chosen, const Flags& fl
         series.nearest_step(seen.look_time), seen.num_steps, seen.values.lo, seen.values.hi));
   }
   const Field& field = subject.modelled.field;
-  Scenery scenery;
+  SceneAtTime scenery;
   scenery.described = std::move(subject.described);
   scenery.described.box = box_of_all(seen, drawing.crop, field, &drawing.options);
   scenery.values = seen.values;
@@ -340,7 +341,7 @@ class Animator {
         values_(values) {}
 
   // Draws the frame and writes it.
-  void draw(const PlannedFrame& frame, Scenery& scenery, const std::string& path,
+  void draw(const PlannedFrame& frame, SceneAtTime& scenery, const std::string& path,
             const RenderHooks& hooks) {
     const Camera camera = camera_of(frame, scenery);
     Image image = render(frame, camera, scenery, hooks);
@@ -353,7 +354,7 @@ class Animator {
   }
 
   // The integrals over which an x-ray's colours are spread in all frames.
-  void measure_integrals(const PlannedFrame& frame, Scenery& scenery) {
+  void measure_integrals(const PlannedFrame& frame, SceneAtTime& scenery) {
     RenderHooks hooks;
     hooks.stop = session_.stop();
     const Image image = render(frame, camera_of(frame, scenery), scenery, hooks);
@@ -363,14 +364,14 @@ class Animator {
   std::int64_t num_empty() const noexcept { return num_empty_; }
 
  private:
-  Camera camera_of(const PlannedFrame& frame, const Scenery& scenery) const {
+  Camera camera_of(const PlannedFrame& frame, const SceneAtTime& scenery) const {
     if (scenery.track) return scenery.track->at(frame.place);
     CameraFlags turned = animate_.drawing.camera;
     turned.azimuth += frame.turn;
     return turned_camera(turned, scenery.start, scenery.camera);
   }
 
-  Image render(const PlannedFrame& frame, const Camera& camera, const Scenery& scenery,
+  Image render(const PlannedFrame& frame, const Camera& camera, const SceneAtTime& scenery,
                const RenderHooks& hooks) {
     const Look& look = scenery.look;
     if (!time_ || *time_ != frame.time) {
@@ -448,7 +449,7 @@ std::vector<std::int64_t> missing_frames(const std::vector<PlannedFrame>& plan,
 }
 
 void draw_frames(const std::vector<PlannedFrame>& plan, const std::vector<std::int64_t>& missing,
-                 Scenery& scenery, const FrameNames& names, FrameRecord& record,
+                 SceneAtTime& scenery, const FrameNames& names, FrameRecord& record,
                  std::uint64_t settings, Animator& animator, Session& session) {
   Progress progress("drawing");
   std::size_t done = 0;
@@ -545,7 +546,7 @@ void run_animate(const Words& words, Session& session) {
   FrameRecord record(names);
   const auto missing = missing_frames(plan, record, settings, session);
   if (!missing.empty()) {
-    Scenery scenery = make_scenery(series, chosen, flags, &animate, session);
+    SceneAtTime scenery = make_scenery(series, chosen, flags, &animate, session);
     if (path) {
       const CameraFlags& turns = animate.drawing.camera;
       const Camera unturned = unturned_camera(turns, scenery.start, scenery.camera);

@@ -29,7 +29,7 @@ void add_facts(std::span<const std::byte> bytes, ArrayFacts& facts) {
 
 // Piece by piece where the numbers are in a file.
 template <typename T>
-ArrayFacts facts_of(const DataArray& array) {
+ArrayFacts facts_of_samples(const DataArray& array) {
   ArrayFacts facts;
   if (array.stored == nullptr) {
     add_facts<T>(array.bytes.view, facts);
@@ -48,25 +48,25 @@ ArrayFacts facts_of(const DataArray& array) {
 ArrayFacts stored_facts_of(const DataArray& array) {
   switch (array.type) {
     case ScalarType::kUInt8:
-      return facts_of<std::uint8_t>(array);
+      return facts_of_samples<std::uint8_t>(array);
     case ScalarType::kInt8:
-      return facts_of<std::int8_t>(array);
+      return facts_of_samples<std::int8_t>(array);
     case ScalarType::kUInt16:
-      return facts_of<std::uint16_t>(array);
+      return facts_of_samples<std::uint16_t>(array);
     case ScalarType::kInt16:
-      return facts_of<std::int16_t>(array);
+      return facts_of_samples<std::int16_t>(array);
     case ScalarType::kUInt32:
-      return facts_of<std::uint32_t>(array);
+      return facts_of_samples<std::uint32_t>(array);
     case ScalarType::kInt32:
-      return facts_of<std::int32_t>(array);
+      return facts_of_samples<std::int32_t>(array);
     case ScalarType::kUInt64:
-      return facts_of<std::uint64_t>(array);
+      return facts_of_samples<std::uint64_t>(array);
     case ScalarType::kInt64:
-      return facts_of<std::int64_t>(array);
+      return facts_of_samples<std::int64_t>(array);
     case ScalarType::kFloat32:
-      return facts_of<float>(array);
+      return facts_of_samples<float>(array);
     case ScalarType::kFloat64:
-      return facts_of<double>(array);
+      return facts_of_samples<double>(array);
   }
   return {};
 }

@@ -26,7 +26,7 @@ const Names<ScalarType> kTypes = {{"float32", ScalarType::kFloat32},
                                   {"uint16", ScalarType::kUInt16}};
 
 // "N" for a cube, or "XxYxZ"
-Index3 parse_samples(const std::string& text) {
+Index3 parse_sample_counts(const std::string& text) {
   if (text.find('x') != std::string::npos) return parse_dims(text);
   try {
     const std::int64_t n = parse_integer(text, 1, 1'000'000);
@@ -71,7 +71,7 @@ const Table<MakeFlags>& make_settings() {
   using M = MakeFlags;
   static const Table<M> all = {
       {"-o,--output", word("OUT"), &M::output, written_files_text()},
-      {"--size", Form<Index3>{"N|XxYxZ", parse_samples}, at(&M::options, &MakeOptions::size),
+      {"--size", Form<Index3>{"N|XxYxZ", parse_sample_counts}, at(&M::options, &MakeOptions::size),
        "samples of a volume (default: the name's own)"},
       {"--lattice", lattice_form(), &M::lattice,
        "of a volume: Cartesian or body-centred, or, to .h5, in space and time (default cc); "

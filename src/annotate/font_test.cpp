@@ -8,7 +8,7 @@
 #include "annotate/lettering.h"
 
 namespace ovoid::annotate {
-namespace {
+namespace font_test {
 
 // Least and greatest x of a glyph's ink.
 std::pair<double, double> ink_of(const Glyph& glyph) {
@@ -109,5 +109,5 @@ TEST(Lettering, ShortenEndsInAnEllipsisThatFits) {
             Lettering(std::string(Lettering::kMost, 'x'), 20).width());
 }
 
-}  // namespace
+}  // namespace font_test
 }  // namespace ovoid::annotate

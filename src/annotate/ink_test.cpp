@@ -6,7 +6,7 @@
 #include <array>
 
 namespace ovoid::annotate {
-namespace {
+namespace ink_test {
 
 Image filled(int width, int height, const std::array<float, 4>& pixel) {
   Image image;
@@ -110,5 +110,5 @@ TEST(Ink, ClipsWhatIsOutside) {
   for (int x = 0; x < 50; ++x) EXPECT_FLOAT_EQ(pixel_at(image, x, 16)[3], 1.0F);
 }
 
-}  // namespace
+}  // namespace ink_test
 }  // namespace ovoid::annotate

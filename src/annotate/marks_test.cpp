@@ -12,7 +12,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid {
-namespace {
+namespace marks_test {
 
 constexpr int kMarksWidth = 320;
 constexpr int kMarksHeight = 240;
@@ -452,5 +452,5 @@ TEST(Marks, StylesSuitTheirBackground) {
   EXPECT_GT(mark_style_on({}).halo_size, mark_style_on(black).halo_size);
 }
 
-}  // namespace
+}  // namespace marks_test
 }  // namespace ovoid

@@ -9,7 +9,7 @@
 #include <set>
 
 namespace ovoid::annotate {
-namespace {
+namespace ticks_test {
 
 std::string labels_of(const std::vector<Tick>& ticks) {
   std::string all;
@@ -127,5 +127,5 @@ TEST(Ticks, RoundBelow) {
   EXPECT_EQ(round_below(9.99e-7), 5e-7);
 }
 
-}  // namespace
+}  // namespace ticks_test
 }  // namespace ovoid::annotate

@@ -243,7 +243,7 @@ class TableBuilder {
 };
 
 template <class T>
-void merge(const BrickTable<T>& from, BrickTable<T>& into) {
+void merge_tables(const BrickTable<T>& from, BrickTable<T>& into) {
   for (std::size_t b = 0; b < into.extents.size(); ++b) {
     into.extents[b].lo = std::min(into.extents[b].lo, from.extents[b].lo);
     into.extents[b].hi = std::max(into.extents[b].hi, from.extents[b].hi);
@@ -272,7 +272,7 @@ BrickTable<T> make_brick_table(const T* samples, const Index3& dims,
     if (s == 0) {
       table = std::move(own);
     } else {
-      merge(own, table);
+      merge_tables(own, table);
     }
   }
   return table;

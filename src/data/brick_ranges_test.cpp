@@ -11,7 +11,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::data {
-namespace {
+namespace brick_ranges_test {
 
 constexpr int kEdge = 4;
 
@@ -176,5 +176,5 @@ TEST(BrickTable, StopsWhenAsked) {
   }
 }
 
-}  // namespace
+}  // namespace brick_ranges_test
 }  // namespace ovoid::data

@@ -9,7 +9,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid {
-namespace {
+namespace dataset_test {
 
 template <class T>
 DataArray array_of(const char* name, ScalarType type, std::vector<T> values, int components = 1) {
@@ -95,5 +95,5 @@ TEST(Space, HasNames) {
   EXPECT_STREQ(name_of(Space::kRas), "RAS");
 }
 
-}  // namespace
+}  // namespace dataset_test
 }  // namespace ovoid

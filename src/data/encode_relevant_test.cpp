@@ -14,7 +14,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::data {
-namespace {
+namespace encode_relevant_test {
 
 constexpr Index3 kDims{23, 17, 20};
 
@@ -129,5 +129,5 @@ TEST(EncodeRelevant, RefusesReachOfTypesThatAreNotDrawn) {
             64);
 }
 
-}  // namespace
+}  // namespace encode_relevant_test
 }  // namespace ovoid::data

@@ -12,7 +12,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid {
-namespace {
+namespace kernel_field_test {
 
 using testing::HasSubstr;
 
@@ -246,5 +246,5 @@ TEST(KernelShape, SemiAxesOfStretchedEllipsoids) {
   EXPECT_NEAR(found[0], 1, 1e-2);
 }
 
-}  // namespace
+}  // namespace kernel_field_test
 }  // namespace ovoid

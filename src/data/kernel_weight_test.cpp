@@ -9,7 +9,7 @@
 #include "ovoid/lattice.h"
 
 namespace ovoid::data {
-namespace {
+namespace kernel_weight_test {
 
 constexpr LatticeKernel kPiecewise[] = {kBSplineKernel, kCatmullRomKernel};
 
@@ -76,5 +76,5 @@ TEST(KernelWeight, OvershootIsBounded) {
   EXPECT_EQ(overshoot_of(kBSplineKernel, false), 0);
 }
 
-}  // namespace
+}  // namespace kernel_weight_test
 }  // namespace ovoid::data

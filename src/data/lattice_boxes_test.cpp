@@ -13,7 +13,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid {
-namespace {
+namespace lattice_boxes_test {
 
 using testing::HasSubstr;
 
@@ -124,5 +124,5 @@ TEST(LatticeBoxes, TellOfProgressAndStop) {
   EXPECT_THROW(samples_of(all, source.get_token()), Error);
 }
 
-}  // namespace
+}  // namespace lattice_boxes_test
 }  // namespace ovoid

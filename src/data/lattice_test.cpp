@@ -13,7 +13,7 @@
 #include "support/numbers.h"
 
 namespace ovoid {
-namespace {
+namespace lattice_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -190,5 +190,5 @@ TEST(ErrorCodes, HaveDistinctNames) {
   EXPECT_STREQ(name_of(ErrorCode::kCancelled), "cancelled");
 }
 
-}  // namespace
+}  // namespace lattice_test
 }  // namespace ovoid

@@ -12,7 +12,7 @@
 #include "ovoid/lattice_levels.h"
 
 namespace ovoid::data {
-namespace {
+namespace level_basis_test {
 
 constexpr Index3 kDims{13, 7, 5};
 constexpr int kLevels = 3;
@@ -177,5 +177,5 @@ TEST(LatticeLevels, RefuseWhatCannotBe) {
   expect_refusal([](LatticeLevels& l) { l.levels.resize(17); }, "levels: there are 17");
 }
 
-}  // namespace
+}  // namespace level_basis_test
 }  // namespace ovoid::data

@@ -13,7 +13,7 @@
 #include "ovoid/series.h"
 
 namespace ovoid {
-namespace {
+namespace memory_steps_test {
 
 using Steps = std::vector<std::shared_ptr<const Dataset>>;
 
@@ -132,5 +132,5 @@ TEST(MemorySteps, RefuseWhatIsNoSeries) {
   EXPECT_NE(refusal_of({rows(1)[0], kept(other)}).find("has no array 'values'"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace memory_steps_test
 }  // namespace ovoid

@@ -7,11 +7,13 @@
 
 #include "ovoid/dataset.h"
 #include "ovoid/error.h"
+#include "support/where.h"
 
 namespace ovoid::data {
-namespace {
+namespace names_text_test {
 
 TEST(NamesText, ShowsAFewNamesAndTheNumberOfTheOthers) {
+  OVOID_NOT_UNDER_TSAN();
   EXPECT_EQ(names_text({}), "none");
   EXPECT_EQ(names_text(std::vector<std::string>{"a"}), "'a'");
   std::vector<std::string> names(10, "n");
@@ -21,6 +23,7 @@ TEST(NamesText, ShowsAFewNamesAndTheNumberOfTheOthers) {
 }
 
 TEST(NamesText, CutsLongNamesBetweenCharacters) {
+  OVOID_NOT_UNDER_TSAN();
   EXPECT_EQ(name_text(std::string(60, 'x')), "'" + std::string(60, 'x') + "'");
   EXPECT_EQ(name_text(std::string(61, 'x')), "'" + std::string(60, 'x') + "...'");
   EXPECT_EQ(name_text(std::string(59, 'x') + "\xc3\xa9y"), "'" + std::string(59, 'x') + "...'");
@@ -28,6 +31,7 @@ TEST(NamesText, CutsLongNamesBetweenCharacters) {
 
 // Whatever a file calls its arrays, and however many there are, an error is a line.
 TEST(NamesText, ADatasetOfManyArraysHasShortErrors) {
+  OVOID_NOT_UNDER_TSAN();
   Dataset dataset;
   dataset.source = "a.npz";
   dataset.arrays.resize(60000);
@@ -40,5 +44,5 @@ TEST(NamesText, ADatasetOfManyArraysHasShortErrors) {
   }
 }
 
-}  // namespace
+}  // namespace names_text_test
 }  // namespace ovoid::data

@@ -18,7 +18,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid {
-namespace {
+namespace paged_lattice_test {
 
 template <class T>
 constexpr ScalarType kTypeOf = ScalarType::kFloat32;
@@ -170,5 +170,5 @@ TEST(PagedLattice, RefusesWhatItCannotShow) {
                Error);
 }
 
-}  // namespace
+}  // namespace paged_lattice_test
 }  // namespace ovoid

@@ -10,7 +10,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::data {
-namespace {
+namespace parallel_test {
 
 // Fails if an item is left out, done twice, or a range is longer than the grain.
 TEST(ParallelRanges, CoverEveryItemOnce) {
@@ -63,5 +63,5 @@ TEST(ResolveThreads, TakesZeroAsAllAndRefusesNonsense) {
   EXPECT_THROW(resolve_threads(kMaxThreads + 1), Error);
 }
 
-}  // namespace
+}  // namespace parallel_test
 }  // namespace ovoid::data

@@ -14,7 +14,7 @@
 #include "layout/public_layout.h"
 
 namespace ovoid {
-namespace {
+namespace public_layout_test {
 
 using Layouts = std::map<std::string, std::pair<std::size_t, std::size_t>>;  // size, alignment
 
@@ -48,5 +48,5 @@ TEST(PublicLayout, IsOfEveryPublicType) {
   EXPECT_GT(found, 50U);
 }
 
-}  // namespace
+}  // namespace public_layout_test
 }  // namespace ovoid

@@ -12,7 +12,7 @@
 #include "ovoid/ovoid.h"
 
 namespace ovoid {
-namespace {
+namespace public_misuse_test {
 
 // Values that are gone before they are used.
 static_assert(std::constructible_from<BorrowedValues<double>, std::vector<double>&>);
@@ -63,5 +63,5 @@ TEST(PublicMisuse, DoesNotCompile) {
   EXPECT_EQ(version(), Version());
 }
 
-}  // namespace
+}  // namespace public_misuse_test
 }  // namespace ovoid

@@ -16,7 +16,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::data {
-namespace {
+namespace relevant_runs_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -189,5 +189,5 @@ TEST(RelevantRuns, ListsThatDoNotFit) {
   EXPECT_THAT(error({{1, 0}, {5}, {2}}, 3), HasSubstr("3 values: the runs have 2"));
 }
 
-}  // namespace
+}  // namespace relevant_runs_test
 }  // namespace ovoid::data

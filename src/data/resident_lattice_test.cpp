@@ -10,7 +10,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid {
-namespace {
+namespace resident_lattice_test {
 
 template <class T>
 Bytes bytes_of(const std::vector<T>& values) {
@@ -159,5 +159,5 @@ TEST(LatticeField, RefusesNoSourceAndKernelsOutOfRange) {
   EXPECT_THROW(LatticeField(source, {0.0, 4.0}, Reconstruction::kSum), Error);
 }
 
-}  // namespace
+}  // namespace resident_lattice_test
 }  // namespace ovoid

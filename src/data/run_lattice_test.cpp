@@ -15,7 +15,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid {
-namespace {
+namespace run_lattice_test {
 
 using data::RelevantRuns;
 using data::RelevantValues;
@@ -151,5 +151,5 @@ TEST(RunLattice, RefusesWhatItCannotShow) {
               testing::HasSubstr("range_reach = -1"));
 }
 
-}  // namespace
+}  // namespace run_lattice_test
 }  // namespace ovoid

@@ -20,7 +20,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid {
-namespace {
+namespace series_test {
 
 constexpr std::size_t kStepBytes = 1000;
 
@@ -336,5 +336,5 @@ TEST(Series, RefusesSourcesWithoutTimesThatRise) {
   EXPECT_THROW(Series(nullptr), Error);
 }
 
-}  // namespace
+}  // namespace series_test
 }  // namespace ovoid

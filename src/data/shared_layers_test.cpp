@@ -19,7 +19,7 @@
 #include "support/thread_team.h"
 
 namespace ovoid::data {
-namespace {
+namespace shared_layers_test {
 
 constexpr Index3 kDims{40, 75, 230};  // eight layers of pages, the last one cut
 
@@ -204,5 +204,5 @@ TEST(PagedSamples, AreOfOneFile) {
   });
 }
 
-}  // namespace
+}  // namespace shared_layers_test
 }  // namespace ovoid::data

@@ -12,9 +12,10 @@
 #include "model/test_datasets.h"
 #include "ovoid/error.h"
 #include "ovoid/fit.h"
+#include "support/where.h"
 
 namespace ovoid {
-namespace {
+namespace fit_kernels_test {
 
 using Formula = std::function<double(const Vec3&)>;
 
@@ -45,6 +46,7 @@ FitOptions with_kernels(std::int64_t count) {
 // A fifteenth of the kernels is nearer to the mesh than all of them, and as near to the formula as
 // the mesh is.
 TEST(FitKernels, FewKernelsAreNearlyAsGoodAsAll) {
+  OVOID_NOT_UNDER_TSAN();
   const Dataset mesh = jittered_grid({14, 14, 14}, bump);
   FitReport report;
   const KernelField field = fit_kernels(mesh, with_kernels(14 * 14 * 14 / 15), &report);
@@ -70,6 +72,8 @@ TEST(FitKernels, FewKernelsAreNearlyAsGoodAsAll) {
 
 // More kernels, less error: the curve has no bumps worth the name.
 TEST(FitKernels, MoreKernelsErrLess) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   const Dataset mesh = jittered_grid({12, 12, 12}, bump);
   double last = 0;
   for (const std::int64_t count : {16, 64, 256, 1024}) {
@@ -81,6 +85,8 @@ TEST(FitKernels, MoreKernelsErrLess) {
 }
 
 TEST(FitKernels, PsnrIsReachedWithFewKernels) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   const Dataset mesh = jittered_grid({12, 12, 12}, bump);
   FitOptions options;
   options.psnr = 52;
@@ -94,6 +100,8 @@ TEST(FitKernels, PsnrIsReachedWithFewKernels) {
 
 // The bound holds at places that nobody told it.
 TEST(FitKernels, ToleranceHoldsEverywhere) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   const Dataset mesh = jittered_grid({12, 12, 12}, bump);
   FitOptions options;
   options.tolerance = 0.05;
@@ -116,6 +124,8 @@ TEST(FitKernels, ToleranceHoldsEverywhere) {
 
 // A straight line needs few kernels, whatever the places of the nodes.
 TEST(FitKernels, StraightLinesNeedFew) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   const Dataset mesh = jittered_grid({14, 14, 14}, line, 0.3);
   FitReport report;
   fit_kernels(mesh, with_kernels(100), &report);
@@ -123,6 +133,8 @@ TEST(FitKernels, StraightLinesNeedFew) {
 }
 
 TEST(FitKernels, BallsAreBalls) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   const Dataset mesh = jittered_grid({10, 10, 10}, bump);
   FitOptions options = with_kernels(60);
   options.shape = KernelShape::kBalls;
@@ -135,6 +147,7 @@ TEST(FitKernels, BallsAreBalls) {
 
 // Particles with an attribute, and a density, whose integral must stay.
 TEST(FitKernels, ParticlesAndDensities) {
+  OVOID_NOT_UNDER_TSAN();
   model::Random random(4);
   std::vector<Vec3> points;
   std::vector<float> values, masses;
@@ -163,6 +176,7 @@ TEST(FitKernels, ParticlesAndDensities) {
 }
 
 TEST(FitKernels, ThreadsLeaveNoTrace) {
+  OVOID_NOT_UNDER_ASAN();
   const Dataset mesh = jittered_grid({10, 10, 10}, bump);
   const auto kernels = [&](int threads) {
     FitOptions options = with_kernels(90);
@@ -181,6 +195,8 @@ TEST(FitKernels, ThreadsLeaveNoTrace) {
 
 // Units of any size give the same picture.
 TEST(FitKernels, UnitsLeaveNoTrace) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   const auto psnr = [](double unit) {
     Dataset mesh = jittered_grid({8, 8, 8}, bump);
     std::vector<double> places;
@@ -198,6 +214,7 @@ TEST(FitKernels, UnitsLeaveNoTrace) {
 }
 
 TEST(FitKernels, OddDataAreFitted) {
+  OVOID_NOT_UNDER_TSAN();
   // Constant values: nothing to err about.
   FitReport report;
   fit_kernels(jittered_grid({5, 5, 5}, [](const Vec3&) { return 7.0; }), with_kernels(10), &report);
@@ -238,6 +255,7 @@ void expect_refusal(const Dataset& dataset, const FitOptions& options, const std
 }
 
 TEST(FitKernels, RefusesGoalsThatCannotBe) {
+  OVOID_NOT_UNDER_TSAN();
   const Dataset mesh = jittered_grid({6, 6, 6}, bump);
   expect_refusal(mesh, {}, "0 given, expected one");
   FitOptions options = with_kernels(10);
@@ -280,6 +298,7 @@ TEST(FitKernels, RefinementIsWorthIt) {
 
 // Fails if a colour that is the same everywhere, in units of its range, drowns the values' errors.
 TEST(FitKernels, ConstantColoursLeaveNoTrace) {
+  OVOID_NOT_UNDER_ASAN();
   Dataset mesh = jittered_grid({8, 8, 8}, bump);
   FitOptions options = with_kernels(40);
   options.model.array = "v";
@@ -334,5 +353,5 @@ TEST(FitKernels, StopsWhenItIsTold) {
   }
 }
 
-}  // namespace
+}  // namespace fit_kernels_test
 }  // namespace ovoid

@@ -16,9 +16,10 @@
 #include "model/test_datasets.h"
 #include "ovoid/error.h"
 #include "ovoid/fit.h"
+#include "support/where.h"
 
 namespace ovoid {
-namespace {
+namespace fit_lattice_test {
 
 using fit::LevelFitter;
 using io::values_of;
@@ -208,6 +209,7 @@ TEST(LevelFitter, GrowsByTheBestAndPrunesTheLeast) {
 }
 
 TEST(FitLattice, PsnrIsThatOfTheSamplesThatAreRead) {
+  OVOID_NOT_UNDER_TSAN();
   FitReport report;
   const LatticeLevels levels = fit_lattice(scan(), lattice_psnr(40), &report);
   const Errors errors = errors_of(scan(), levels);
@@ -222,6 +224,7 @@ TEST(FitLattice, PsnrIsThatOfTheSamplesThatAreRead) {
 }
 
 TEST(FitLattice, AskedKernelsAreMany) {
+  OVOID_NOT_UNDER_TSAN();
   double before = 0;
   for (const std::int64_t count : {100, 400, 1600}) {
     FitReport report;
@@ -299,6 +302,7 @@ TEST(FitLattice, SmoothKnowsNumbersMasksAndSpacings) {
 
 // Every sample is looked at: of plates and balls, and of noise, where nothing is smooth.
 TEST(FitLattice, ToleranceHoldsAtEverySample) {
+  OVOID_NOT_UNDER_TSAN();
   const Dataset noise = lattice_of({20, 17, 13}, [](double x, double y, double z) {
     return std::sin(12.9898 * x * x + 78.233 * y * z + 3.7 * z * z);
   });
@@ -326,6 +330,7 @@ TEST(FitLattice, ThreadsLeaveNoTrace) {
 }
 
 TEST(FitLattice, OddLatticesAreFitted) {
+  OVOID_NOT_UNDER_TSAN();
   // One value: no kernels, and no error.
   FitReport report;
   const LatticeLevels constant = fit_lattice(
@@ -368,6 +373,8 @@ TEST(FitLattice, OddLatticesAreFitted) {
 }
 
 TEST(FitLattice, RefusesWhatCannotBe) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   const auto expect_refusal = [](const Dataset& dataset, const FitOptions& options,
                                  const std::string& words) {
     try {
@@ -440,6 +447,8 @@ TEST(FitLattice, HolesStayHoles) {
 
 // Never more than asked for, by what the file will have at most; and not much less.
 TEST(FitLattice, BytesAreFilledAndNotExceeded) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   for (const std::int64_t bytes : {15000}) {
     FitOptions options;
     options.bytes = bytes;
@@ -469,5 +478,5 @@ TEST(FitLattice, StopsWhenItIsTold) {
   }
 }
 
-}  // namespace
+}  // namespace fit_lattice_test
 }  // namespace ovoid

@@ -11,7 +11,7 @@
 #include "ovoid/fit.h"
 
 namespace ovoid {
-namespace {
+namespace kernel_operator_test {
 
 // Ellipsoids at random in a box of that side, near enough for each other to be reached.
 struct RandomKernels {
@@ -250,5 +250,5 @@ TEST(KernelOperator, RefusesWhatIsNoKernelOrPlace) {
   EXPECT_THROW(op.splat(std::vector<double>(3)), Error);
 }
 
-}  // namespace
+}  // namespace kernel_operator_test
 }  // namespace ovoid

@@ -14,7 +14,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::fit {
-namespace {
+namespace refine_kernels_test {
 
 constexpr double kCutoff = 4;
 using Values = std::vector<std::vector<double>>;
@@ -366,5 +366,5 @@ TEST(RefineKernels, StopsWhenItIsTold) {
   EXPECT_EQ(steps, 2);
 }
 
-}  // namespace
+}  // namespace refine_kernels_test
 }  // namespace ovoid::fit

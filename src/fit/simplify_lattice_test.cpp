@@ -16,7 +16,7 @@
 #include "ovoid/simplify.h"
 
 namespace ovoid {
-namespace {
+namespace simplify_lattice_test {
 
 using io::values_of;
 using testing::HasSubstr;
@@ -318,5 +318,5 @@ TEST(Simplify, TakesWhatHasNoRange) {
   }
 }
 
-}  // namespace
+}  // namespace simplify_lattice_test
 }  // namespace ovoid

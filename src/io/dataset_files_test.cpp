@@ -9,9 +9,10 @@
 #include "io/core/test_folder.h"
 #include "io/images/test_volumes.h"
 #include "ovoid/io.h"
+#include "support/where.h"
 
 namespace ovoid::io {
-namespace {
+namespace dataset_files_test {
 
 Dataset oblique_dataset() {
   Dataset dataset;
@@ -170,6 +171,7 @@ TEST(DatasetFiles, LegacyVtkListsItsArrays) {
 
 // A damaged file must become one Error and not a word on stderr, whatever VTK thinks of it.
 TEST(DatasetFiles, DamagedVtkFilesAreErrorsAndVtkIsSilent) {
+  OVOID_NOT_UNDER_TSAN();
   if (!has_vtk()) GTEST_SKIP() << "this build has no VTK";
   const TestFolder folder;
   Dataset dataset;
@@ -371,5 +373,5 @@ TEST(ScalarTypeNames, AreFound) {
   EXPECT_FALSE(find_scalar_type("Float32").has_value());
 }
 
-}  // namespace
+}  // namespace dataset_files_test
 }  // namespace ovoid::io

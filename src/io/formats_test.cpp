@@ -14,7 +14,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::io {
-namespace {
+namespace formats_test {
 
 using Endings = std::set<std::string>;
 using Row = std::vector<std::string>;  // the cells of a table's row
@@ -144,5 +144,5 @@ TEST(Formats, AreToldByContentFirst) {
   EXPECT_EQ(name_of_format("j", "CDF\x01 cut"), "netCDF");
 }
 
-}  // namespace
+}  // namespace formats_test
 }  // namespace ovoid::io

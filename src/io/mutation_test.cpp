@@ -18,9 +18,10 @@
 #include "io/images/test_volumes.h"
 #include "io/reader/reader_session.h"
 #include "ovoid/io.h"
+#include "support/where.h"
 
 namespace ovoid::io {
-namespace {
+namespace mutation_test {
 
 constexpr std::uint64_t kSeed = 20240229;
 
@@ -120,6 +121,7 @@ int wanted(int count) {
 }
 
 void run(const std::vector<std::string>& seeds, void (*target)(fuzz::Input), int count = 2000) {
+  OVOID_NOT_UNDER_TSAN();
   for (const std::string& seed : seeds) target(std::as_bytes(std::span(seed)));
   Mutator mutator(seeds);
   for (int i = 0; i < wanted(count); ++i) {
@@ -279,5 +281,5 @@ TEST(Mutation, VtkFiles) {
   if (!has_vtk) GTEST_SKIP() << "this build has no VTK";
 }
 
-}  // namespace
+}  // namespace mutation_test
 }  // namespace ovoid::io

@@ -21,7 +21,7 @@
 #include "ovoid/series.h"
 
 namespace ovoid::io {
-namespace {
+namespace open_steps_test {
 
 // 2 x 2 x 1 samples, all `value`.
 std::string nrrd(int value, const std::string& type = "uint8", const std::string& sizes = "2 2 1") {
@@ -249,5 +249,5 @@ TEST(OpenSteps, RealSeriesAreReadStepByStep) {
   }
 }
 
-}  // namespace
+}  // namespace open_steps_test
 }  // namespace ovoid::io

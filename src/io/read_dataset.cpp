@@ -50,7 +50,7 @@ void check_choice(const Dataset& dataset, const ReadOptions& options) {
 }
 
 // What a file wrote into a message must not steer the terminal that shows it, nor break the line.
-std::string printable(std::string text) {
+std::string printable_name(std::string text) {
   for (char& c : text) {
     const auto code = static_cast<unsigned char>(c);
     if (code < 0x20 || code == 0x7f) c = '?';
@@ -75,18 +75,18 @@ Dataset finished(const Read& read, const ReadOptions& options) {
     Dataset dataset = read();
     check_choice(dataset, options);
     io::cut_to_share(dataset, options.share);
-    for (std::string& note : dataset.notes) note = printable(std::move(note));
+    for (std::string& note : dataset.notes) note = printable_name(std::move(note));
     for (DataArray& array : dataset.arrays) {
-      array.name = printable(std::move(array.name));
-      array.unit = printable(std::move(array.unit));
+      array.name = printable_name(std::move(array.name));
+      array.unit = printable_name(std::move(array.unit));
     }
     for (DatasetBlock& block : dataset.blocks) {
-      block.name = printable(std::move(block.name));
-      block.description = printable(std::move(block.description));
+      block.name = printable_name(std::move(block.name));
+      block.description = printable_name(std::move(block.description));
     }
     return dataset;
   } catch (const Error& error) {
-    throw Error(error.code(), printable(error.what()));
+    throw Error(error.code(), printable_name(error.what()));
   }
 }
 

@@ -14,7 +14,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace write_stop_test {
 
 DataArray floats(const std::string& name, std::int64_t tuples, int components) {
   std::vector<float> values(static_cast<std::size_t>(tuples * components));
@@ -101,5 +101,5 @@ TEST(WriteStop, StopsEveryWriterOfPictures) {
   EXPECT_EQ(folder.count(), 0);
 }
 
-}  // namespace
+}  // namespace write_stop_test
 }  // namespace ovoid::io

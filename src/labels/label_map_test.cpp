@@ -20,7 +20,7 @@
 #include "support/volumes.h"
 
 namespace ovoid {
-namespace {
+namespace label_map_test {
 
 using labels::Bodies;
 using labels::LabelCrossing;
@@ -372,5 +372,5 @@ TEST(LabelMap, StylesThatAreWrongAreNamed) {
   EXPECT_THROW(surfaces.validate(), Error);
 }
 
-}  // namespace
+}  // namespace label_map_test
 }  // namespace ovoid

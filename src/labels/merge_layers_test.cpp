@@ -11,7 +11,7 @@
 #include "ovoid/labels.h"
 
 namespace ovoid {
-namespace {
+namespace merge_layers_test {
 
 template <class T>
 Dataset segmentation(ScalarType type, int num_layers, std::vector<T> samples) {
@@ -72,5 +72,5 @@ TEST(MergeLayers, WhatIsNoSegmentation) {
   EXPECT_THROW(merge_layers(scaled, {}), Error);
 }
 
-}  // namespace
+}  // namespace merge_layers_test
 }  // namespace ovoid

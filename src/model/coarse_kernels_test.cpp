@@ -12,9 +12,10 @@
 #include "ovoid/error.h"
 #include "ovoid/look.h"
 #include "ovoid/renderer.h"
+#include "support/where.h"
 
 namespace ovoid::model {
-namespace {
+namespace coarse_kernels_test {
 
 // Columns that own their numbers: values are two attributes.
 struct OwnKernels {
@@ -258,6 +259,7 @@ TEST(CoarseKernels, ProgressAndStop) {
 // whole set's: kernels a pixel or so wide, merged, are sqrt(2) times as wide. What lies 0.3 pixels
 // beside differs more. (The brighter the look, the more both do.)
 TEST(CoarseKernels, FromFarTheyLookTheSame) {
+  OVOID_NOT_UNDER_TSAN();
   KernelModelOptions model;
   model.is_density = true;
   const Field field = make_kernel_field(make_sample("galaxy", {.count = 20000}), model);
@@ -278,5 +280,5 @@ TEST(CoarseKernels, FromFarTheyLookTheSame) {
   EXPECT_LT(psnr(full, renderer.render(coarse, camera, look, options).image), kBound);
 }
 
-}  // namespace
+}  // namespace coarse_kernels_test
 }  // namespace ovoid::model

@@ -26,7 +26,7 @@ namespace {
 constexpr std::int64_t kWindowSamples = std::int64_t{1} << 15;
 
 // A result is missing where less of what it stands for exists.
-constexpr double kLeastShare = 0.5;
+constexpr double kLeastShareOfSamples = 0.5;
 
 // The samples of an axis that a new one stands for, from `first` on, and their shares.
 struct Taps {
@@ -87,7 +87,7 @@ struct Rule {
   // `sum` over the share `share` of the weights.
   double mean(double sum, double share) const noexcept {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    if (!is_sum) return share >= kLeastShare ? sum / share : kNone;
+    if (!is_sum) return share >= kLeastShareOfSamples ? sum / share : kNone;
     // What is missing adds nothing to a sum of kernels: the mass is kept.
     return share > 0 ? sum + (1 - share) * zero : kNone;
   }

@@ -20,9 +20,10 @@
 #include "ovoid/model.h"
 #include "ovoid/renderer.h"
 #include "support/volumes.h"
+#include "support/where.h"
 
 namespace ovoid {
-namespace {
+namespace coarse_test {
 
 using test::FieldSetup;
 using test::make_field;
@@ -339,6 +340,7 @@ TEST(CoarseLattice, RefusesAndStops) {
 // on sheets as near as the whole field's. What lies one spacing beside has 20.0.
 // The published kernel: coefficients of a prefiltered field are averaged, which loses 1.7 dB more.
 TEST(CoarseLattice, FromFarItLooksTheSame) {
+  OVOID_NOT_UNDER_TSAN();
   LatticeModelOptions published;
   published.kernel = LatticeKernel{};
   const LatticeField field =
@@ -359,5 +361,5 @@ TEST(CoarseLattice, FromFarItLooksTheSame) {
   EXPECT_LT(psnr(full, renderer.render(coarse, camera, look, options).image), kBound);
 }
 
-}  // namespace
+}  // namespace coarse_test
 }  // namespace ovoid

@@ -49,7 +49,7 @@ struct Quantizer {
   }
 };
 
-constexpr ValueRange kNothing{std::numeric_limits<float>::max(),
+constexpr ValueRange kNoRange{std::numeric_limits<float>::max(),
                               std::numeric_limits<float>::lowest()};
 
 ValueRange usual_range(const ValueRange& samples) {
@@ -72,7 +72,7 @@ class SlabFilter {
 
   // The coefficients' own range; what lies outside the quantizer's is cut.
   ValueRange run(const Quantizer& quantizer, std::int16_t* out) {
-    own_range_ = kNothing;
+    own_range_ = kNoRange;
     window_first_ = 0;
     std::int64_t known = 0;  // slices that are, or have been, in the window
     for (std::int64_t begin = 0; begin < dims_[2]; begin += kSlab) {
@@ -126,7 +126,7 @@ class SlabFilter {
         [&](std::int64_t first, std::int64_t last) {
           std::vector<float> scratch(
               static_cast<std::size_t>((slab.seen - slab.begin) * kLanesAlongZ));
-          ValueRange range = kNothing;
+          ValueRange range = kNoRange;
           for (std::int64_t b = first; b < last; ++b)
             finish_lanes(slab, b * kLanesAlongZ, quantizer, scratch, out, range);
           const std::lock_guard lock(mutex_);

@@ -16,7 +16,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::model {
-namespace {
+namespace coefficients_test {
 
 struct Subject {
   std::string name;
@@ -132,5 +132,5 @@ TEST(Coefficients, StopWhenAsked) {
   EXPECT_THROW(make_coefficients(samples_of(subject), subject.dims, options), Error);
 }
 
-}  // namespace
+}  // namespace coefficients_test
 }  // namespace ovoid::model

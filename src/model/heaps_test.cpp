@@ -16,9 +16,10 @@
 #include "model/particle_lengths.h"
 #include "model/test_datasets.h"
 #include "ovoid/model.h"
+#include "support/where.h"
 
 namespace ovoid::model {
-namespace {
+namespace heaps_test {
 
 using Layout = std::function<std::vector<Vec3>(int count)>;
 
@@ -138,6 +139,8 @@ TEST(Heaps, LengthsAreThoseOfBruteForce) {
 // What the search costs, in sites compared: with the square of a heap's size it would be hundreds
 // of times more.
 TEST(Heaps, CostWhatEvenLayoutsCost) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   constexpr int kCount = 20000;
   for (const WithCovariances with : {WithCovariances::kNo, WithCovariances::kYes}) {
     const std::int64_t even = Lengths().of(evenly(kCount), with).num_pairs;
@@ -218,5 +221,5 @@ TEST(Heaps, AreOneKernelOfTheSameField) {
   }
 }
 
-}  // namespace
+}  // namespace heaps_test
 }  // namespace ovoid::model

@@ -17,7 +17,7 @@
 #include "ovoid/sampler.h"
 
 namespace ovoid {
-namespace {
+namespace hyperslice_test {
 
 using testing::HasSubstr;
 
@@ -370,5 +370,5 @@ TEST(Hyperslice, TakesEvenStepsButForPlanesAcrossTime) {
   EXPECT_THAT(error_of(series, {{1, 0, 0, 1}, 2}), HasSubstr("steps must be even"));
 }
 
-}  // namespace
+}  // namespace hyperslice_test
 }  // namespace ovoid

@@ -14,7 +14,7 @@
 #include "ovoid/slices.h"
 
 namespace ovoid::model {
-namespace {
+namespace kernel_trail_test {
 
 double sum_of_shares(const std::vector<TimeShare>& moments) {
   double sum = 0;
@@ -305,5 +305,5 @@ TEST(KernelTrail, BeginsWithTheDataAndRefusesWhatIsNone) {
   EXPECT_THROW(at(1.5, 1, 0), Error);
 }
 
-}  // namespace
+}  // namespace kernel_trail_test
 }  // namespace ovoid::model

@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace ovoid::model {
-namespace {
+namespace kth_smallest_test {
 
 // Against a sort, with all numbers different and with few different ones.
 TEST(KthSmallest, IsWhatASortSays) {
@@ -34,5 +34,5 @@ TEST(KthSmallest, IsWhatASortSays) {
   }
 }
 
-}  // namespace
+}  // namespace kth_smallest_test
 }  // namespace ovoid::model

@@ -15,7 +15,7 @@
 #include "support/numbers.h"
 
 namespace ovoid {
-namespace {
+namespace lattice_test {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -366,5 +366,5 @@ TEST(MakeLatticeField, StopsWhenAsked) {
   }
 }
 
-}  // namespace
+}  // namespace lattice_test
 }  // namespace ovoid

@@ -16,7 +16,7 @@
 #include "support/numbers.h"
 
 namespace ovoid::model {
-namespace {
+namespace mesh_kernels_test {
 
 Vec3 as_is(const Vec3& p) { return p; }
 
@@ -487,5 +487,5 @@ TEST(BoxKernels, TwoLevels) {
   EXPECT_NE(model_refusal(dataset).find("box sizes[1][1] = 0: must be > 0"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace mesh_kernels_test
 }  // namespace ovoid::model

@@ -12,7 +12,7 @@
 #include "ovoid/surface.h"
 
 namespace ovoid::model {
-namespace {
+namespace mesh_surface_test {
 
 double area_of(const Surface& surface) {
   double area = 0;
@@ -298,5 +298,5 @@ TEST(MeshSurface, StopsWhenAsked) {
   EXPECT_THROW(make_surface(grid, {}, stop.get_token()), Error);
 }
 
-}  // namespace
+}  // namespace mesh_surface_test
 }  // namespace ovoid::model

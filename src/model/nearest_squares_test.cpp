@@ -11,7 +11,7 @@
 #include "model/noise.h"
 
 namespace ovoid::model {
-namespace {
+namespace nearest_squares_test {
 
 using Place = std::array<float, 3>;
 
@@ -109,5 +109,5 @@ TEST(NearestSquares, EstimatesAreBounds) {
   EXPECT_LT(estimate, 1.5F * nearest.bound(0));
 }
 
-}  // namespace
+}  // namespace nearest_squares_test
 }  // namespace ovoid::model

@@ -9,9 +9,10 @@
 #include "model/test_datasets.h"
 #include "ovoid/model.h"
 #include "support/numbers.h"
+#include "support/where.h"
 
 namespace ovoid::model {
-namespace {
+namespace particles_test {
 
 std::vector<Vec3> random_cloud(int count, std::uint64_t seed) {
   Random random(seed);
@@ -35,6 +36,7 @@ void add_array(Dataset& dataset, const char* name, std::vector<float> values) {
 // 2 h is the distance to the K-th nearest, the particle itself counted: against brute force, and
 // with a periodic box against brute force over all 27 images.
 TEST(ParticleKernels, LengthsAgainstBruteForce) {
+  OVOID_NOT_UNDER_TSAN();
   const std::vector<Vec3> points = random_cloud(700, 3);
   const std::vector<Vec3> here = {Vec3::Zero()};
   std::vector<Vec3> images;
@@ -65,6 +67,7 @@ TEST(ParticleKernels, LengthsAgainstBruteForce) {
 // The field of a periodic box is the same on both sides of its faces, and particles outside are
 // wrapped into it.
 TEST(ParticleKernels, PeriodicBoxWraps) {
+  OVOID_NOT_UNDER_TSAN();
   std::vector<Vec3> points = random_cloud(400, 4);
   Dataset dataset = cloud_dataset(points);
   dataset.periodic_box = Bounds3(Vec3::Zero(), Vec3::Ones());
@@ -84,6 +87,7 @@ TEST(ParticleKernels, PeriodicBoxWraps) {
 
 // What is drawn of particles whose owner names no array.
 TEST(ParticleKernels, DensityIsTheDefaultOfWhatHasAMass) {
+  OVOID_NOT_UNDER_TSAN();
   const auto cloud = [](const std::vector<const char*>& names) {
     Dataset dataset = cloud_dataset({{0, 0, 0}, {0.3, 0.1, 0}, {0.1, 0.2, 0.4}});
     dataset.arrays.clear();
@@ -119,6 +123,7 @@ TEST(ParticleKernels, DensityIsTheDefaultOfWhatHasAMass) {
 // Mass is kept: the density integrates to the sum of masses, with every profile. On a grid of step
 // s a smooth kernel's sum errs far less than the bound.
 TEST(ParticleKernels, DensityIntegratesToTheMass) {
+  OVOID_NOT_UNDER_TSAN();
   for (const KernelProfile profile : {KernelProfile::kGaussian, KernelProfile::kCubicSpline,
                                       KernelProfile::kWendlandC2, KernelProfile::kEpanechnikov}) {
     Dataset dataset = cloud_dataset({{0, 0, 0}, {0.3, 0.1, 0}, {0.1, 0.2, 0.4}});
@@ -145,6 +150,7 @@ TEST(ParticleKernels, DensityIntegratesToTheMass) {
 
 // Support is 2 h whatever the cut-off, but a Gaussian's sigma is h / 2.
 TEST(ParticleKernels, SmoothingLengths) {
+  OVOID_NOT_UNDER_TSAN();
   Dataset dataset = cloud_dataset({{0, 0, 0}, {9, 0, 0}});
   add_array(dataset, "SmoothingLength", {1, 2});
   const auto sigma = [&](KernelProfile profile, double cutoff) {
@@ -161,6 +167,7 @@ TEST(ParticleKernels, SmoothingLengths) {
 // weights is 1. Where only h is, one weight for all
 // makes it nearly so.
 TEST(ParticleKernels, WeightsOfAttributes) {
+  OVOID_NOT_UNDER_TSAN();
   std::vector<Vec3> points;
   for (int i = 0; i < 729; ++i) points.emplace_back(i % 9, i / 9 % 9, i / 81);
   Dataset dataset = cloud_dataset(points);
@@ -180,6 +187,7 @@ TEST(ParticleKernels, WeightsOfAttributes) {
 
 // One particle, two, and heaps at one place.
 TEST(ParticleKernels, FewAndHeaped) {
+  OVOID_NOT_UNDER_TSAN();
   KernelModelReport report;
   auto kernels = kernels_of(make_kernel_field(cloud_dataset({{1, 2, 3}}), {}, &report));
   ASSERT_EQ(kernels.size(), 1U);
@@ -204,6 +212,7 @@ TEST(ParticleKernels, FewAndHeaped) {
 
 // Ellipsoids have the ball's volume and at most the documented ratio.
 TEST(ParticleKernels, Anisotropic) {
+  OVOID_NOT_UNDER_TSAN();
   std::vector<Vec3> points;
   Random random(8);
   for (int i = 0; i < 2000; ++i) {
@@ -223,6 +232,7 @@ TEST(ParticleKernels, Anisotropic) {
 }
 
 TEST(ParticleKernels, WithoutArraysNumberDensity) {
+  OVOID_NOT_UNDER_TSAN();
   Dataset dataset = cloud_dataset(random_cloud(100, 6));
   dataset.arrays.clear();
   KernelModelReport report;
@@ -235,6 +245,7 @@ TEST(ParticleKernels, WithoutArraysNumberDensity) {
 
 // Lengths of 1e21 have volumes beyond float32; their densities need not be.
 TEST(ParticleKernels, CentimetresOfAGalaxy) {
+  OVOID_NOT_UNDER_TSAN();
   Dataset dataset = cloud_dataset({{0, 0, 0}, {3e21, 0, 0}});
   add_array(dataset, "m", {2e33F, 2e33F});
   add_array(dataset, "h", {1e21F, 1e21F});
@@ -245,6 +256,7 @@ TEST(ParticleKernels, CentimetresOfAGalaxy) {
 }
 
 TEST(ParticleKernels, RefusesAndCounts) {
+  OVOID_NOT_UNDER_TSAN();
   const auto refused = [](const std::function<void(Dataset&)>& spoil, const std::string& words,
                           const KernelModelOptions& options = {}) {
     Dataset bad = cloud_dataset({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
@@ -295,6 +307,7 @@ TEST(ParticleKernels, RefusesAndCounts) {
 }
 
 TEST(ParticleKernels, ThreadsChangeNothingInParticles) {
+  OVOID_NOT_UNDER_TSAN();
   const Dataset galaxy = make_sample("galaxy", {.count = 9000});
   const auto one = kernels_of(make_kernel_field(galaxy, {.threads = 1}));
   const auto many = kernels_of(make_kernel_field(galaxy, {.threads = 5}));
@@ -304,9 +317,10 @@ TEST(ParticleKernels, ThreadsChangeNothingInParticles) {
 
 // 24 bytes a ball, beside the bricks.
 TEST(ParticleKernels, AreSmall) {
+  OVOID_NOT_UNDER_TSAN();
   const KernelField field = make_kernel_field(make_sample("galaxy", {.count = 50000}));
   EXPECT_LE(static_cast<double>(field.source().resident_bytes()) / 50000, 25.5);
 }
 
-}  // namespace
+}  // namespace particles_test
 }  // namespace ovoid::model

@@ -16,9 +16,10 @@
 #include "ovoid/model.h"
 #include "ovoid/sampler.h"
 #include "support/numbers.h"
+#include "support/where.h"
 
 namespace ovoid::model {
-namespace {
+namespace prefilter_test {
 
 // One axis' kernel by docs/numerics.md, at the distance d.
 double one_axis(const LatticeKernel& kernel, double d) {
@@ -101,6 +102,8 @@ const std::vector<Index3> kSizes = {{1, 1, 1},  {2, 1, 1}, {3, 2, 1},    {1, 7, 
 // another length. Random samples are the hardest: coefficients reach 27 times the samples, of the
 // published kernel 5.3 times, and are sums in floats: 2e-6 of samples up to 1 is 1e-6 of the range.
 TEST(Prefilter, MakesTheFieldTakeTheSamplesValues) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   for (const LatticeKernel& kernel : {LatticeKernel{}, kBSplineKernel, kCatmullRomKernel}) {
     for (const auto reconstruction : {Reconstruction::kNormalized, Reconstruction::kSum}) {
       for (const Index3& dims : kSizes) {
@@ -115,6 +118,8 @@ TEST(Prefilter, MakesTheFieldTakeTheSamplesValues) {
 // Of a body-centred lattice: every sample of both sublattices, by the reference's evaluator.
 // Fails if a sublattice, a shift of half an axis vector or a face is not in the operator.
 TEST(Prefilter, MakesBodyCentredFieldsTakeTheSamplesValues) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   for (const LatticeKernel& kernel : {LatticeKernel{}, LatticeKernel{0.6}, kBSplineKernel}) {
     for (const auto reconstruction : {Reconstruction::kNormalized, Reconstruction::kSum}) {
       for (const Index3& dims : {Index3{2, 2, 4}, Index3{5, 4, 9}, Index3{13, 12, 16}}) {
@@ -288,5 +293,5 @@ TEST(Holes, NeighboursShareAFace) {
   EXPECT_TRUE(fill_missing(whole, {2, 1, 1}, {}).empty());
 }
 
-}  // namespace
+}  // namespace prefilter_test
 }  // namespace ovoid::model

@@ -12,7 +12,7 @@
 #include "ovoid/resample.h"
 
 namespace ovoid {
-namespace {
+namespace resample_lattice_test {
 
 using Signal = std::function<double(const Vec3& index)>;
 
@@ -179,5 +179,5 @@ TEST(ResampleLattice, NamesWhatIsWrong) {
   EXPECT_THROW(resample_lattice(slice, LatticeKind::kBodyCentred), Error);
 }
 
-}  // namespace
+}  // namespace resample_lattice_test
 }  // namespace ovoid

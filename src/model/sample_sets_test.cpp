@@ -10,7 +10,7 @@
 #include "ovoid/model.h"
 
 namespace ovoid::model {
-namespace {
+namespace sample_sets_test {
 
 std::string sample_refusal(const std::string& name, const MakeOptions& options) {
   try {
@@ -53,5 +53,5 @@ TEST(SampleSets, RefusesWhatDoesNotApply) {
   EXPECT_NE(sample_refusal("nothing", {}).find("fin, galaxy, blobs"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace sample_sets_test
 }  // namespace ovoid::model

@@ -13,7 +13,7 @@
 #include "ovoid/model.h"
 
 namespace ovoid {
-namespace {
+namespace samples_test {
 
 template <class T>
 std::span<const T> values_of(const Dataset& dataset) {
@@ -197,5 +197,5 @@ TEST(SmoothNoise, IsContinuousAndBounded) {
   }
 }
 
-}  // namespace
+}  // namespace samples_test
 }  // namespace ovoid

@@ -8,7 +8,7 @@
 #include "support/numbers.h"
 
 namespace ovoid::model {
-namespace {
+namespace stored_kernels_test {
 
 // Two ellipsoids, the second turned by 90 degrees about z; its quaternion is not of length 1.
 Dataset two_stored() {
@@ -82,5 +82,5 @@ TEST(StoredKernels, RefusesByNameAndIndex) {
   refused("v", 1, {kNanF, kNanF}, "2 have no finite value of 'v'");
 }
 
-}  // namespace
+}  // namespace stored_kernels_test
 }  // namespace ovoid::model

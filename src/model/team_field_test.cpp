@@ -13,7 +13,7 @@
 #include "ovoid/look.h"
 
 namespace ovoid::model {
-namespace {
+namespace team_field_test {
 
 using ovoid::testing::Room;
 using ovoid::testing::run_as_team;
@@ -225,5 +225,5 @@ TEST(TeamField, RefusesWhatCannotBeShared) {
                Error);
 }
 
-}  // namespace
+}  // namespace team_field_test
 }  // namespace ovoid::model

@@ -18,7 +18,7 @@
 #include "ovoid/surface.h"
 
 namespace ovoid::model {
-namespace {
+namespace team_mesh_test {
 
 ShareOf cut_of(const Dataset& whole) {
   return [&whole](int number, int count) {
@@ -322,5 +322,5 @@ TEST(TeamMesh, RefusesSharesWithoutNumbers) {
   EXPECT_THROW(made_together(share_of, 2, {}), Error);
 }
 
-}  // namespace
+}  // namespace team_mesh_test
 }  // namespace ovoid::model

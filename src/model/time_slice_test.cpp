@@ -15,7 +15,7 @@
 #include "ovoid/slices.h"
 
 namespace ovoid {
-namespace {
+namespace time_slice_test {
 
 constexpr Index3 kDims{4, 3, 5};
 
@@ -216,5 +216,5 @@ TEST(ResampleSeries, BringsStepsToBothLattices) {
   EXPECT_THROW(resample_series(uneven, SeriesKind::kStaggered), Error);
 }
 
-}  // namespace
+}  // namespace time_slice_test
 }  // namespace ovoid

@@ -11,7 +11,7 @@
 #include "ovoid/slices.h"
 
 namespace ovoid {
-namespace {
+namespace trail_test {
 
 std::vector<double> shares_of(const std::vector<StepWeight>& weights, std::size_t num_steps) {
   std::vector<double> shares(num_steps, 0.0);
@@ -130,5 +130,5 @@ TEST(Trail, IsTheMeanOfWhatWasThere) {
   }
 }
 
-}  // namespace
+}  // namespace trail_test
 }  // namespace ovoid

@@ -16,7 +16,7 @@
 #include "ovoid/surface.h"
 
 namespace ovoid::model {
-namespace {
+namespace tubes_test {
 
 // The volume within, if all faces look the same way; every side is that of two triangles.
 double enclosed_volume(const Surface& surface) {
@@ -119,5 +119,5 @@ TEST(Tubes, WhatHasNoneAndWhatIsRefused) {
   EXPECT_THROW(make_tubes(triangle, std::numeric_limits<double>::infinity()), Error);
 }
 
-}  // namespace
+}  // namespace tubes_test
 }  // namespace ovoid::model

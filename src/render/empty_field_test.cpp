@@ -16,7 +16,7 @@
 #include "support/volumes.h"
 
 namespace ovoid {
-namespace {
+namespace empty_field_test {
 
 void expect_refused(const char* what, const std::function<void()>& work) {
   SCOPED_TRACE(what);
@@ -73,5 +73,5 @@ TEST(EmptyField, HasNothingInIt) {
   EXPECT_FALSE(Field(test::constant_field({2, 2, 2}, 1)).is_empty());
 }
 
-}  // namespace
+}  // namespace empty_field_test
 }  // namespace ovoid

@@ -15,7 +15,7 @@
 #include "support/scenes.h"
 
 namespace ovoid {
-namespace {
+namespace label_limits_test {
 
 using test::parallel_camera;
 using test::pixel;
@@ -201,5 +201,5 @@ TEST(LabelPictures, OtherModesAreRefused) {
       Error);
 }
 
-}  // namespace
+}  // namespace label_limits_test
 }  // namespace ovoid

@@ -15,9 +15,10 @@
 #include "support/scenes.h"
 #include "support/thread_team.h"
 #include "support/volumes.h"
+#include "support/where.h"
 
 namespace ovoid {
-namespace {
+namespace light_volume_test {
 
 constexpr double kOpacity = 0.05;  // of the uniform medium, per spacing
 constexpr int kEdge = 96;
@@ -126,6 +127,8 @@ TEST(LightVolume, KeyFallsOffAsInAUniformSlab) {
 
 // Fails if the coarse cells, the directions or the sweeps say something else than the model does.
 TEST(LightVolume, IsNearToRandomRaysThroughTheFieldItself) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   const Field field = cloud_field();
   Look look = cloud_look();
   look.occlusion = look.shadows = look.scatter = 1;
@@ -215,6 +218,8 @@ TEST(LightVolume, KernelsAbsorbAsTheirLatticeDoes) {
 
 // Fails if light jumps where the direction passes from one axis of the sweeps to another.
 TEST(LightVolume, TurningTheLightByADegreeChangesLittle) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
   const Field field = cloud_field();
   Look look = cloud_look();
   look.shadows = look.scatter = 1;
@@ -341,5 +346,5 @@ TEST(LightVolume, PlacesThatAreNone) {
     EXPECT_NEAR(volume.at(Vec3(x, 1, x)).around, 0.5, 2e-4) << x;
 }
 
-}  // namespace
+}  // namespace light_volume_test
 }  // namespace ovoid

@@ -16,7 +16,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace pick_test {
 
 constexpr int kSide = 33;
 
@@ -207,5 +207,5 @@ TEST(Pick, TakesPixelsOfThePictureAlone) {
   }
 }
 
-}  // namespace
+}  // namespace pick_test
 }  // namespace ovoid::test

@@ -11,7 +11,7 @@
 #include "support/kernel_sets.h"
 
 namespace ovoid::value_plane_test {
-namespace {
+namespace plane_values_test {
 
 // Normalized weights bring the mean of the samples' places nearer to the samples by up to
 // 4 pi sigma^2 exp(-2 pi^2 sigma^2) = 0.0226 spacings along each axis (docs/numerics.md, "Grid
@@ -246,5 +246,5 @@ TEST(PlaneValues, SlantedPlanesAreMeans) {
   EXPECT_GT(num_long, 10);
 }
 
-}  // namespace
+}  // namespace plane_values_test
 }  // namespace ovoid::value_plane_test

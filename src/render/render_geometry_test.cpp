@@ -12,7 +12,7 @@
 #include "support/scenes.h"
 
 namespace ovoid {
-namespace {
+namespace render_geometry_test {
 
 using test::parallel_camera;
 using test::pixel;
@@ -407,5 +407,5 @@ TEST(Geometry, RefusesAndStops) {
   }
 }
 
-}  // namespace
+}  // namespace render_geometry_test
 }  // namespace ovoid

@@ -13,7 +13,7 @@
 #include "support/scenes.h"
 
 namespace ovoid {
-namespace {
+namespace render_mesh_test {
 
 using model::mesh_dataset;
 using test::parallel_camera;
@@ -528,5 +528,5 @@ TEST(RenderMesh, RefusesAndStops) {
   }
 }
 
-}  // namespace
+}  // namespace render_mesh_test
 }  // namespace ovoid

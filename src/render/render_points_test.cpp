@@ -11,7 +11,7 @@
 #include "support/scenes.h"
 
 namespace ovoid {
-namespace {
+namespace render_points_test {
 
 using test::parallel_camera;
 using test::perspective_camera;
@@ -206,5 +206,5 @@ TEST(RenderPoints, RefusesAndStops) {
             0);
 }
 
-}  // namespace
+}  // namespace render_points_test
 }  // namespace ovoid

@@ -10,7 +10,7 @@
 #include "support/scenes.h"
 
 namespace ovoid {
-namespace {
+namespace render_surface_test {
 
 using test::parallel_camera;
 using test::perspective_camera;
@@ -265,5 +265,5 @@ TEST(RenderSurface, RefusesAndStops) {
   EXPECT_EQ(pixel(image, 32, 32).a(), 0);
 }
 
-}  // namespace
+}  // namespace render_surface_test
 }  // namespace ovoid

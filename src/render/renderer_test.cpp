@@ -14,7 +14,7 @@
 #include "support/volumes.h"
 
 namespace ovoid {
-namespace {
+namespace renderer_test {
 
 // Expects an Error(kInvalidArgument) whose message starts with `start`.
 void expect_refused(const std::function<void()>& work, const std::string& start) {
@@ -163,5 +163,5 @@ TEST(Renderer, PassesOnWhatCallbacksThrow) {
   }
 }
 
-}  // namespace
+}  // namespace renderer_test
 }  // namespace ovoid

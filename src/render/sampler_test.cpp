@@ -15,7 +15,7 @@
 #include "support/volumes.h"
 
 namespace ovoid {
-namespace {
+namespace sampler_test {
 
 float value_at(const DataArray& array, std::int64_t index) {
   float value = 0;
@@ -188,5 +188,5 @@ TEST(Resample, RefusesWhatIsNoLattice) {
   }
 }
 
-}  // namespace
+}  // namespace sampler_test
 }  // namespace ovoid

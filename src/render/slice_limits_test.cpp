@@ -14,7 +14,7 @@
 #include "support/scenes.h"
 
 namespace ovoid {
-namespace {
+namespace slice_limits_test {
 
 using test::pixel;
 
@@ -194,5 +194,5 @@ TEST(SliceLabels, RefuseImpossibleOpacities) {
   }
 }
 
-}  // namespace
+}  // namespace slice_limits_test
 }  // namespace ovoid

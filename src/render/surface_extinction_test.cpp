@@ -16,7 +16,7 @@
 #include "support/volumes.h"
 
 namespace ovoid {
-namespace {
+namespace surface_extinction_test {
 
 constexpr int kLitEdge = 64;  // samples, and cells of light: both are 1 long
 const Vec3 kLitMiddle(31.5, 31.5, 31.5);
@@ -341,5 +341,5 @@ TEST(SurfaceExtinction, LightFollowsTheSurfaces) {
   EXPECT_EQ(lights.at({field, dark, {}, {}, {}, nullptr, std::span(&one, 1)}, 2, {}), nullptr);
 }
 
-}  // namespace
+}  // namespace surface_extinction_test
 }  // namespace ovoid

@@ -14,7 +14,7 @@
 #include "support/numbers.h"
 
 namespace ovoid::value_plane_test {
-namespace {
+namespace value_plane_test {
 
 ErrorCode code_of(const std::function<void()>& work, const std::string& start = {}) {
   try {
@@ -365,5 +365,5 @@ TEST(ValuePlane, ReferenceAgrees) {
   }
 }
 
-}  // namespace
+}  // namespace value_plane_test
 }  // namespace ovoid::value_plane_test

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace ovoid::simd {
-namespace {
+namespace peak_test {
 
 // Between what the slowest and the fastest of machines can do. Fails if lanes or time are
 // forgotten.
@@ -19,5 +19,5 @@ TEST(Peak, IsThatOfAMachine) {
   }
 }
 
-}  // namespace
+}  // namespace peak_test
 }  // namespace ovoid::simd

@@ -10,7 +10,7 @@
 #include "solid/test_solids.h"
 
 namespace ovoid::solid {
-namespace {
+namespace control_mesh_test {
 
 std::string control_refusal(const Dataset& dataset, const ControlMeshOptions& options = {}) {
   try {
@@ -131,5 +131,5 @@ TEST(ControlMesh, RefusesWhatIsNone) {
   });
 }
 
-}  // namespace
+}  // namespace control_mesh_test
 }  // namespace ovoid::solid

@@ -14,7 +14,7 @@
 #include "solid/test_solids.h"
 
 namespace ovoid::solid {
-namespace {
+namespace solid_field_test {
 
 // Integrals over [-3, 3] of products of the basis with itself, 1, and with Gaussians, by the
 // trapezoidal rule; those of radial Gaussians with the basis of a regular mesh are their cubes.
@@ -217,5 +217,5 @@ TEST(SolidField, RefusesWhatIsNoLevel) {
   EXPECT_THROW(make_solid_field(grid), Error);
 }
 
-}  // namespace
+}  // namespace solid_field_test
 }  // namespace ovoid::solid

@@ -11,7 +11,7 @@
 #include "solid/test_solids.h"
 
 namespace ovoid::solid {
-namespace {
+namespace subdivide_test {
 
 double without_density(const Vec3&) { return 0; }
 
@@ -247,5 +247,5 @@ TEST(Subdivision, RefusesWhatIsNoSolid) {
       std::string::npos);
 }
 
-}  // namespace
+}  // namespace subdivide_test
 }  // namespace ovoid::solid

@@ -13,7 +13,7 @@
 #include "view/view_lattice.h"
 
 namespace ovoid::view {
-namespace {
+namespace base_plane_test {
 
 constexpr double kDistance = 0.7;
 
@@ -204,5 +204,5 @@ TEST(GentleLooks, ChangeLittleEverywhere) {
   EXPECT_FALSE(is_gentle(fading, range));
 }
 
-}  // namespace
+}  // namespace base_plane_test
 }  // namespace ovoid::view

@@ -10,7 +10,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid {
-namespace {
+namespace camera_test {
 
 // A rotation of vectors of length about 10 errs by a few units in the last place: 10 * 8 * 2^-53 =
 // 9e-15.
@@ -237,5 +237,5 @@ TEST(DefaultCamera, RefusesWhatNumbersDoNotTellApart) {
   }
 }
 
-}  // namespace
+}  // namespace camera_test
 }  // namespace ovoid

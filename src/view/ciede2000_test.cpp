@@ -8,7 +8,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::view {
-namespace {
+namespace ciede2000_test {
 
 // Pairs of the test data published with [Sharma 2005], differences to four digits: around the gray
 // axis, hues a half circle apart on either side, and the blues where the rotation term works.
@@ -102,5 +102,5 @@ TEST(Ciede2000, ManyPointsAreRefused) {
   EXPECT_TRUE(empty.colors.empty());
 }
 
-}  // namespace
+}  // namespace ciede2000_test
 }  // namespace ovoid::view

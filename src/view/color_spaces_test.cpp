@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace ovoid::view {
-namespace {
+namespace color_spaces_test {
 
 void expect_near(const Rgb& actual, const Rgb& expected, double tolerance) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(actual[c], expected[c], tolerance) << "component " << c;
@@ -118,5 +118,5 @@ TEST(ColorSpaces, StepIsTheSecondColour) {
   EXPECT_EQ(interpolate(ColorSpace::kStep, kRed, kBlue, 1.0), kBlue);
 }
 
-}  // namespace
+}  // namespace color_spaces_test
 }  // namespace ovoid::view

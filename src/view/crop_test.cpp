@@ -12,7 +12,7 @@
 #include "support/volumes.h"
 
 namespace ovoid {
-namespace {
+namespace crop_test {
 
 constexpr double kCropInfinity = std::numeric_limits<double>::infinity();
 
@@ -177,5 +177,5 @@ TEST(Crop, ThickSlicesLieAroundTheirPlane) {
   EXPECT_NE(refusal({{1, 0, 0}, kNan}, 1).find("slice offset: "), std::string::npos);
 }
 
-}  // namespace
+}  // namespace crop_test
 }  // namespace ovoid

@@ -8,13 +8,14 @@
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/volumes.h"
+#include "support/where.h"
 #include "view/ciede2000.h"
 #include "view/color_spaces.h"
 #include "view/field_samples.h"
 #include "view/look_table.h"
 
 namespace ovoid {
-namespace {
+namespace default_look_test {
 
 // Noise in [-1, 1] that depends on place and seed alone.
 double default_look_noise(std::int64_t i, std::int64_t j, std::int64_t k, int seed) {
@@ -48,6 +49,7 @@ double opacity_at(const Look& look, double value) {
 }
 
 TEST(DefaultLook, ScanHasATransparentBackgroundAThinShellAndADenseCore) {
+  OVOID_NOT_UNDER_TSAN();
   const Look look = default_look(scan(2.0));
   look.validate();
   for (const double background : {8.0, 10.0, 12.0}) EXPECT_EQ(opacity_at(look, background), 0.0);
@@ -57,6 +59,7 @@ TEST(DefaultLook, ScanHasATransparentBackgroundAThinShellAndADenseCore) {
 }
 
 TEST(DefaultLook, FollowsTheDataWhateverTheirUnit) {
+  OVOID_NOT_UNDER_TSAN();
   const Look plain = default_look(scan(2.0));
   for (const double factor : {1e-12, 1e12}) {
     const Look scaled = default_look(scan(2.0, 1, factor));
@@ -70,6 +73,7 @@ TEST(DefaultLook, FollowsTheDataWhateverTheirUnit) {
 // Other noise of the same strength, and a hundredth more of it, move no point of the curves by more
 // than 3 % of the range.
 TEST(DefaultLook, IsStableUnderSmallChanges) {
+  OVOID_NOT_UNDER_TSAN();
   const TransferFunction first = default_look(scan(2.0)).transfer_function;
   for (const auto& [noise, seed] : {std::pair{2.0, 2}, {2.0, 3}, {2.02, 1}, {2.2, 5}}) {
     const TransferFunction other = default_look(scan(noise, seed)).transfer_function;
@@ -86,6 +90,7 @@ TEST(DefaultLook, IsStableUnderSmallChanges) {
 
 // Five deviations of the noise would hide the shell with it.
 TEST(DefaultLook, NoiseDoesNotHideWhatStandsOutOfIt) {
+  OVOID_NOT_UNDER_TSAN();
   const Look look = default_look(scan(20.0));
   EXPECT_EQ(opacity_at(look, 10), 0.0);
   EXPECT_EQ(opacity_at(look, 30), 0.0);  // the noise reaches as far
@@ -95,6 +100,7 @@ TEST(DefaultLook, NoiseDoesNotHideWhatStandsOutOfIt) {
 
 // Light and steep curves would bring out nothing but the noise.
 TEST(DefaultLook, NoiseIsDrawnSoft) {
+  OVOID_NOT_UNDER_TSAN();
   const auto noise = [](std::int64_t i, std::int64_t j, std::int64_t k) {
     return (radius_at(i, j, k) < 15 ? 100.0 : 0.0) * (1.0 + default_look_noise(i, j, k, 1));
   };
@@ -111,6 +117,7 @@ TEST(DefaultLook, NoiseIsDrawnSoft) {
 
 // Light on a ramp tells where the light is.
 TEST(DefaultLook, RampsHaveEvenLight) {
+  OVOID_NOT_UNDER_TSAN();
   const auto ramp = [](std::int64_t i, std::int64_t j, std::int64_t) {
     return static_cast<double>(3 * i + j);
   };
@@ -119,6 +126,7 @@ TEST(DefaultLook, RampsHaveEvenLight) {
 
 // A detector's bright pixel must not turn all else into background.
 TEST(DefaultLook, SingleOddSamplesChangeLittle) {
+  OVOID_NOT_UNDER_TSAN();
   const Look plain = default_look(scan(2.0));
   const Look odd = default_look(
       test::make_field({kSide, kSide, kSide}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -131,6 +139,7 @@ TEST(DefaultLook, SingleOddSamplesChangeLittle) {
 }
 
 TEST(DefaultLook, BrightBackgroundIsTheTransparentOne) {
+  OVOID_NOT_UNDER_TSAN();
   const Look look = default_look(
       test::make_field({kSide, kSide, kSide}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
         const double r = radius_at(i, j, k);
@@ -142,6 +151,7 @@ TEST(DefaultLook, BrightBackgroundIsTheTransparentOne) {
 
 // Vorticity, potentials: both signs are the thing.
 TEST(DefaultLook, SignedFieldsShowBothSides) {
+  OVOID_NOT_UNDER_TSAN();
   const Look look = default_look(
       test::make_field({kSide, kSide, kSide}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
         const double r = radius_at(i, j, k);
@@ -158,6 +168,7 @@ TEST(DefaultLook, SignedFieldsShowBothSides) {
 
 // Fails if what a sum of kernels of both signs leaves where there is nothing is shown as a haze.
 TEST(DefaultLook, SumsThatSwingAboutNothingShowNoHalo) {
+  OVOID_NOT_UNDER_TSAN();
   test::KernelNumbers numbers = test::jittered_balls(10);
   std::vector<float>& values = numbers.values[0];
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -173,6 +184,7 @@ TEST(DefaultLook, SumsThatSwingAboutNothingShowNoHalo) {
 }
 
 TEST(DefaultLook, FieldsWithoutABackgroundShowTheirUpperHalf) {
+  OVOID_NOT_UNDER_TSAN();
   const Look look = default_look(test::make_field(
       {kSide, kSide, kSide},
       [](std::int64_t i, std::int64_t, std::int64_t) { return 3.0 * static_cast<double>(i); }));
@@ -183,6 +195,7 @@ TEST(DefaultLook, FieldsWithoutABackgroundShowTheirUpperHalf) {
 
 // The colours of what is transparent would be of no use to anybody.
 TEST(DefaultLook, FieldsWithoutABackgroundSpendTheirColoursOnWhatShows) {
+  OVOID_NOT_UNDER_TSAN();
   const Look look = default_look(test::make_field(
       {kSide, kSide, kSide},
       [](std::int64_t i, std::int64_t, std::int64_t) { return 3.0 * static_cast<double>(i); }));
@@ -193,6 +206,7 @@ TEST(DefaultLook, FieldsWithoutABackgroundSpendTheirColoursOnWhatShows) {
 
 // docs/looks.md, "The default look": bright, since light and background darken them, and apart.
 TEST(DefaultLook, ColoursAreBrightAndApart) {
+  OVOID_NOT_UNDER_TSAN();
   const auto shape = [](std::int64_t i, std::int64_t j, std::int64_t k) {
     const double r = radius_at(i, j, k);
     return std::exp(-r * r / 100);
@@ -222,6 +236,7 @@ TEST(DefaultLook, ColoursAreBrightAndApart) {
 // whichever map they are drawn with, and in the map's order. Fails where colours go by value alone:
 // there neighbours are 4 to 9 apart.
 TEST(DefaultLook, ColoursTellMaterialsApart) {
+  OVOID_NOT_UNDER_TSAN();
   const std::vector<std::vector<double>> volumes = {
       {5, 180, 215}, {5, 60, 90, 210}, {3, 150, 190, 230}, {20, 200, 250}};
   for (const auto& values : volumes) {
@@ -249,6 +264,7 @@ TEST(DefaultLook, ColoursTellMaterialsApart) {
 
 // Of a part that its background is no longer in sight of, scanners' data look like things, too.
 TEST(DefaultLook, ACropOfAScanHasTheScansColours) {
+  OVOID_NOT_UNDER_TSAN();
   const auto inside = [](std::int64_t i, std::int64_t j, std::int64_t k) {
     return 0.5 + 0.2 * std::sin(0.2 * static_cast<double>(i)) *
                      std::cos(0.15 * static_cast<double>(j + 2 * k));
@@ -260,6 +276,7 @@ TEST(DefaultLook, ACropOfAScanHasTheScansColours) {
 
 // Densities over decades: clusters in a void that is not empty.
 TEST(DefaultLook, DensitiesOverDecadesGetALogarithm) {
+  OVOID_NOT_UNDER_TSAN();
   const auto density = [](std::int64_t i, std::int64_t j, std::int64_t k) {
     const double r = radius_at(i, j, k);
     return 1e-3 * std::pow(10.0, 0.3 * default_look_noise(i, j, k, 1)) +
@@ -289,6 +306,7 @@ LatticeField head_in_hounsfield_units() {
 }
 
 TEST(DefaultLook, HounsfieldUnitsShowBoneThroughFaintTissue) {
+  OVOID_NOT_UNDER_TSAN();
   for (const char* const unit : {"HU", ""}) {
     const Look look = default_look(head_in_hounsfield_units(), unit);
     EXPECT_EQ(look.transfer_function.name, "CT in Hounsfield units");
@@ -303,6 +321,7 @@ TEST(DefaultLook, HounsfieldUnitsShowBoneThroughFaintTissue) {
 
 // As scanners store them: whole numbers, water at 1024.
 TEST(DefaultLook, RawCtIsHounsfieldUnitsMoved) {
+  OVOID_NOT_UNDER_TSAN();
   EXPECT_EQ(value_of_water(head_in_hounsfield_units()), 0.0);
   EXPECT_EQ(value_of_water(head_in_hounsfield_units(), "HU"), 0.0);
   EXPECT_EQ(value_of_water(scan(2.0)), std::nullopt);
@@ -323,6 +342,7 @@ TEST(DefaultLook, RawCtIsHounsfieldUnitsMoved) {
 
 // In 8 bits nothing says where water is; air and bone are seen.
 TEST(DefaultLook, AirAndBoneOfOtherScales) {
+  OVOID_NOT_UNDER_TSAN();
   const auto ends = air_and_bone(scan(2.0));
   ASSERT_TRUE(ends);
   EXPECT_NEAR(ends->first, 10, 2);  // noise is in [-2, 2]
@@ -343,6 +363,7 @@ LatticeField bright_in_tissue(bool is_inside, double bright) {
 }
 
 TEST(DefaultLook, VesselsShowThroughTissue) {
+  OVOID_NOT_UNDER_TSAN();
   const Look look = default_look(bright_in_tissue(true, 900));
   EXPECT_EQ(look.transfer_function.name, "vessels");
   EXPECT_EQ(opacity_at(look, 20), 0.0);
@@ -364,6 +385,7 @@ LatticeField labels(const std::vector<double>& values) {
 }
 
 TEST(DefaultLook, LabelsGetAColourEach) {
+  OVOID_NOT_UNDER_TSAN();
   const LatticeField field = labels({0, 7, 2, 40});
   EXPECT_TRUE(holds_labels(field));
   const Look look = default_look(field);
@@ -387,6 +409,7 @@ TEST(DefaultLook, LabelsGetAColourEach) {
 // The field passes through all values between two labels. What is passed must not show, or all
 // labels would have the colour of the first: three quarters of the values between are clear.
 TEST(DefaultLook, BetweenLabelsIsMostlyNothing) {
+  OVOID_NOT_UNDER_TSAN();
   const Look look = default_look(labels({0, 7, 2, 40}));
   int num_clear = 0;
   for (int i = 0; i < 400; ++i) {
@@ -406,6 +429,7 @@ LatticeField many_labels(int stride) {
 // 3840 labels up to 65,000 and 20 million: neighbours differ, the background is clear, the cpu's
 // table tells them as exact evaluation does.
 TEST(DefaultLook, ManyLabelsGetColoursThatDiffer) {
+  OVOID_NOT_UNDER_TSAN();
   const LatticeField field = many_labels(17);
   EXPECT_TRUE(holds_labels(field));
   const Look look = default_look(field);
@@ -433,6 +457,7 @@ TEST(DefaultLook, ManyLabelsGetColoursThatDiffer) {
 
 // A label keeps its colour where others are missing.
 TEST(DefaultLook, AManyLabelsColourIsItsOwn) {
+  OVOID_NOT_UNDER_TSAN();
   const auto with_gap = [](std::int64_t gap) {
     return test::make_field({80, 64, 16}, [=](std::int64_t i, std::int64_t j, std::int64_t k) {
       const std::int64_t block = i / 8 + 10 * (j / 8 + 8 * (k / 8));
@@ -447,6 +472,7 @@ TEST(DefaultLook, AManyLabelsColourIsItsOwn) {
 
 // Whole numbers in plenty, but smooth: what scans are.
 TEST(DefaultLook, ScansInWholeNumbersAreNoLabels) {
+  OVOID_NOT_UNDER_TSAN();
   const Field field =
       test::make_stored_field({kSide, kSide, kSide},
                               [](std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -459,6 +485,7 @@ TEST(DefaultLook, ScansInWholeNumbersAreNoLabels) {
 // Of many samples rounding leaves stretches of the same number with steps of one between, which are
 // as sharp as those of labels. Where the field is steep it differs by more, and is flat nowhere.
 TEST(DefaultLook, SmoothFieldsOfManySamplesAreNoLabels) {
+  OVOID_NOT_UNDER_TSAN();
   constexpr std::int64_t kLong = 512, kOther = 64;
   const auto place = [](std::int64_t i, std::int64_t count) {
     return 2.0 * static_cast<double>(i) / static_cast<double>(count - 1) - 1;
@@ -473,6 +500,7 @@ TEST(DefaultLook, SmoothFieldsOfManySamplesAreNoLabels) {
 }
 
 TEST(DefaultLook, OtherIntegersAreNoLabels) {
+  OVOID_NOT_UNDER_TSAN();
   EXPECT_FALSE(holds_labels(labels({0, 7.5, 2})));     // not an integer
   EXPECT_FALSE(holds_labels(labels({-1000, 0, 40})));  // CT
   EXPECT_FALSE(holds_labels(test::make_field(          // quantized, but no regions
@@ -482,12 +510,14 @@ TEST(DefaultLook, OtherIntegersAreNoLabels) {
 }
 
 TEST(DefaultLook, FieldsOfOneValueGetTheRamp) {
+  OVOID_NOT_UNDER_TSAN();
   const Look look = default_look(test::constant_field({8, 8, 8}, 5.0));
   EXPECT_EQ(opacity_at(look, 5), 0.25);
   look.validate();
 }
 
 TEST(DefaultLook, TinyFieldsAreNoTrouble) {
+  OVOID_NOT_UNDER_TSAN();
   for (const Index3& dims : {Index3{1, 1, 1}, Index3{2, 1, 1}, Index3{2, 2, 2}, Index3{5, 5, 1}}) {
     const Look look =
         default_look(test::make_field(dims, [](std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -511,5 +541,5 @@ TEST(FieldSamples, AreSpreadOverAllOfAFieldAndLimited) {
   EXPECT_EQ(samples.share_of_equals, 0.0);
 }
 
-}  // namespace
+}  // namespace default_look_test
 }  // namespace ovoid

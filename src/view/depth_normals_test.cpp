@@ -14,7 +14,7 @@
 #include "ovoid/image.h"
 
 namespace ovoid {
-namespace {
+namespace depth_normals_test {
 
 constexpr int kWidth = 90, kHeight = 64;
 constexpr double kDegree = std::numbers::pi / 180;
@@ -201,5 +201,5 @@ TEST(DepthNormals, OfFewPixels) {
   EXPECT_THROW(depth_normals(std::vector<float>(), 0, 0, camera), Error);
 }
 
-}  // namespace
+}  // namespace depth_normals_test
 }  // namespace ovoid

@@ -11,7 +11,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::view {
-namespace {
+namespace frame_plan_test {
 
 LatticeField stretched_field() {
   test::FieldSetup setup;
@@ -134,5 +134,5 @@ TEST(FramePlan, WhatMayMatter) {
   EXPECT_FALSE(LatticePlan(field, camera, look, thorough).may_matter);
 }
 
-}  // namespace
+}  // namespace frame_plan_test
 }  // namespace ovoid::view

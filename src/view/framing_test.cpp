@@ -10,7 +10,7 @@
 #include "support/volumes.h"
 
 namespace ovoid {
-namespace {
+namespace framing_test {
 
 // A ball of radius 6 off the middle of a lattice of 48^3 samples.
 const Vec3 kBallCenter(14, 30, 24);
@@ -222,5 +222,5 @@ TEST(FirstCamera, FacesPatientsLooksDownOnGroundAndAtTheLongSide) {
   EXPECT_GT(long_y.x(), -long_y.y());
 }
 
-}  // namespace
+}  // namespace framing_test
 }  // namespace ovoid

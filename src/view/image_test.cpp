@@ -9,7 +9,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid {
-namespace {
+namespace image_test {
 
 Image picture(int width, int height, std::vector<float> rgba) {
   Image image;
@@ -76,5 +76,5 @@ TEST(Psnr, RefusesPicturesOfDifferentSize) {
                Error);
 }
 
-}  // namespace
+}  // namespace image_test
 }  // namespace ovoid

@@ -10,7 +10,7 @@
 #include "support/volumes.h"
 
 namespace ovoid {
-namespace {
+namespace joint_histogram_test {
 
 constexpr std::int64_t kJointSide = 56;
 
@@ -164,5 +164,5 @@ TEST(RiseSamples, HaveTheSlopeOverTheSmallestSpacing) {
   }
 }
 
-}  // namespace
+}  // namespace joint_histogram_test
 }  // namespace ovoid

@@ -10,7 +10,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::view {
-namespace {
+namespace kernel_plan_test {
 
 // Two balls 4 apart along x, of values 1 and 9, and of such sizes that each has a brick of its own.
 KernelField two_balls() {
@@ -150,5 +150,5 @@ TEST(KernelPlan, RefusesMoreBlocksThanItCanKeep) {
   }
 }
 
-}  // namespace
+}  // namespace kernel_plan_test
 }  // namespace ovoid::view

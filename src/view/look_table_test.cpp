@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view/look_table.h"
+#include "support/where.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +12,7 @@
 #include "support/numbers.h"
 
 namespace ovoid::view {
-namespace {
+namespace look_table_test {
 
 TransferFunction hat(double foot, double peak, double end, double low = 0.0, double high = 1.0) {
   TransferFunction tf;
@@ -64,6 +65,7 @@ Extent exact_opacity(const TransferFunction& tf, double lo, double hi) {
 // Fails if entries are evaluated at other values than readers compute, if the table is not padded,
 // or if a range is cut.
 TEST(LookTable, StraightPiecesAreExactToFloatRounding) {
+  OVOID_NOT_UNDER_TSAN();
   TransferFunction tf;
   tf.opacities = {{-10, 0.25}, {30, 0.75}};
   tf.colors = {{-10, {0, 1, 0.5}}, {30, {1, 0, 0.5}}};
@@ -85,6 +87,7 @@ TEST(LookTable, StraightPiecesAreExactToFloatRounding) {
 }
 
 TEST(LookTable, ArraysAreAlignedAndPadded) {
+  OVOID_NOT_UNDER_TSAN();
   const LookTable table(hat(0, 1, 2, 0.1, 0.9));
   for (const float* x : {table.red(), table.green(), table.blue(), table.opacity()}) {
     EXPECT_EQ(reinterpret_cast<std::uintptr_t>(x) % 64, 0U);
@@ -94,6 +97,7 @@ TEST(LookTable, ArraysAreAlignedAndPadded) {
 }
 
 TEST(LookTable, CornersErrByAQuarterOfTheSlopesDifference) {
+  OVOID_NOT_UNDER_TSAN();
   const TransferFunction tf = hat(0, 17.3, 100, 0.1, 0.9);
   const LookTable table(tf);
   const double slopes = 0.8 / 17.3 + 0.8 / 82.7;
@@ -108,6 +112,7 @@ TEST(LookTable, CornersErrByAQuarterOfTheSlopesDifference) {
 // A peak 2 % of the range wide gets all the cells. Where it leaves zero it may start a cell late:
 // one cell's rise.
 TEST(LookTable, NarrowPeaksHaveAllTheCells) {
+  OVOID_NOT_UNDER_TSAN();
   TransferFunction tf = hat(98, 100, 102);
   tf.colors = {{0, {0, 0, 0}}, {200, {1, 1, 1}}};
   const LookTable table(tf);
@@ -125,6 +130,7 @@ TEST(LookTable, NarrowPeaksHaveAllTheCells) {
 
 // Fails if a step is taken anywhere but at its value, from either curve.
 TEST(LookTable, StepsAreWhereTheyShouldBe) {
+  OVOID_NOT_UNDER_TSAN();
   TransferFunction tf;
   tf.opacities = {{0, 0.125}, {33.3, 0.125}, {33.3, 0.75}, {60, 0.75, 0.5, 1}, {80, 0.25}};
   tf.colors = {{0, {1, 0, 0}}, {50, {0, 1, 0}}, {100, {0, 0, 1}}};
@@ -143,6 +149,7 @@ TEST(LookTable, StepsAreWhereTheyShouldBe) {
 
 // Fails if an entry that a step falls on is read from the wrong side: one of the many does.
 TEST(LookTable, EveryPlaceOfAStepIsSharp) {
+  OVOID_NOT_UNDER_TSAN();
   for (int trial = 0; trial < 5000; ++trial) {
     const double x = 10 + trial * 0.001;
     TransferFunction tf;
@@ -154,10 +161,14 @@ TEST(LookTable, EveryPlaceOfAStepIsSharp) {
   }
 }
 
-TEST(LookTable, SmoothCurvesHaveNoSteps) { EXPECT_FALSE(LookTable(hat(0, 1, 2)).has_steps()); }
+TEST(LookTable, SmoothCurvesHaveNoSteps) {
+  OVOID_NOT_UNDER_TSAN();
+  EXPECT_FALSE(LookTable(hat(0, 1, 2)).has_steps());
+}
 
 // Steps at the very ends of the points must not spoil the endless ranges beyond them.
 TEST(LookTable, StepsAtTheEnds) {
+  OVOID_NOT_UNDER_TSAN();
   TransferFunction tf;
   tf.opacities = {{0, 0}, {0, 1}, {10, 1}, {10, 0.25}};
   const LookTable table(tf);
@@ -172,6 +183,7 @@ TEST(LookTable, StepsAtTheEnds) {
 // step, one for a late start); colours are straight, so they agree where they are kept. Fails for
 // any misplaced entry.
 TEST(LookTable, RandomCurvesStayWithinTwoCells) {
+  OVOID_NOT_UNDER_TSAN();
   std::mt19937_64 random(20240601);
   for (int trial = 0; trial < 300; ++trial) {
     const TransferFunction tf = random_function(random);
@@ -191,6 +203,7 @@ TEST(LookTable, RandomCurvesStayWithinTwoCells) {
 // ---- any_opacity
 
 TEST(LookTable, TheFootOfARampIsExactlyZero) {
+  OVOID_NOT_UNDER_TSAN();
   // Background at 0, 40 or -1000 must stay free, at the low end of the points and in their middle.
   TransferFunction tf;
   tf.opacities = {{0, 0}, {40, 0}, {80, 1}, {90, 0}, {255, 0}};
@@ -222,6 +235,7 @@ TEST(LookTable, TheFootOfARampIsExactlyZero) {
 // Fails if a skipped value could have shown in the table or exactly, or if ranges two cells away
 // from anything are drawn.
 TEST(LookTable, AnyOpacityIsNeverWronglyFalseAndSeldomWronglyTrue) {
+  OVOID_NOT_UNDER_TSAN();
   std::mt19937_64 random(42);
   const auto uniform = [&] { return std::uniform_real_distribution<double>(0.0, 1.0)(random); };
   int num_false = 0, num_true = 0;
@@ -279,6 +293,7 @@ TEST(LookTable, AnyOpacityIsNeverWronglyFalseAndSeldomWronglyTrue) {
 
 // A label of width 1 among 65536, and steps by sharpness with their midpoint off the middle.
 TEST(LookTable, StepsBySharpnessCountFromTheirMidpoint) {
+  OVOID_NOT_UNDER_TSAN();
   TransferFunction tf;
   tf.opacities = {{0, 0, 0.25, 1}, {100, 1, 0.75, 1}, {200, 0}};  // one from 25 to 175
   tf.colors = {{0, {0, 0, 0}}, {65535, {1, 1, 1}}};
@@ -299,6 +314,7 @@ TEST(LookTable, StepsBySharpnessCountFromTheirMidpoint) {
 // Fails if the exact curve is not asked: all of this lies within one cell of the table, which reads
 // zero there.
 TEST(LookTable, FeaturesNarrowerThanACellAreNotDenied) {
+  OVOID_NOT_UNDER_TSAN();
   TransferFunction tf;
   tf.opacities = {{0, 0},       {1, 1},    {2, 0},    {1000, 0}, {1000.01, 0.5},
                   {1000.02, 0}, {5000, 0}, {5001, 1}, {5002, 0}};
@@ -310,6 +326,7 @@ TEST(LookTable, FeaturesNarrowerThanACellAreNotDenied) {
 }
 
 TEST(LookTable, MaxOpacity) {
+  OVOID_NOT_UNDER_TSAN();
   EXPECT_EQ(LookTable(hat(0, 1, 2, 0.125, 0.75)).max_opacity(), 0.75F);
   EXPECT_EQ(LookTable(TransferFunction()).max_opacity(), 1.0F);
   EXPECT_TRUE(LookTable(TransferFunction()).any_opacity(5, 5));
@@ -322,6 +339,7 @@ TEST(LookTable, MaxOpacity) {
 // Six decades: every one of them has its cells. Fails if entries stand at other values than readers
 // compute, or if a corner's place is taken for linear.
 TEST(LookTable, LogarithmicScalesResolveEveryDecade) {
+  OVOID_NOT_UNDER_TSAN();
   TransferFunction tf;
   tf.scale = ValueScale::kLog;
   tf.opacities = {{1e-6, 0}, {1e-5, 0.4}, {1e-2, 0.1, 0.3, 0.5}, {1, 0.9}};
@@ -344,6 +362,7 @@ TEST(LookTable, LogarithmicScalesResolveEveryDecade) {
 }
 
 TEST(LookTable, SymmetricLogarithmsGoThroughZero) {
+  OVOID_NOT_UNDER_TSAN();
   TransferFunction tf;
   tf.scale = ValueScale::kSymlog;
   tf.linear_width = 1e-3;
@@ -361,6 +380,7 @@ TEST(LookTable, SymmetricLogarithmsGoThroughZero) {
 }
 
 TEST(LookTable, ColoursBeyondTheEndsBeginThere) {
+  OVOID_NOT_UNDER_TSAN();
   TransferFunction tf;
   tf.opacities = {{-10, 0.5}, {20, 0.5}};
   tf.colors = {{0, {0, 1, 0}}, {10, {0, 0, 1}}};
@@ -378,6 +398,7 @@ TEST(LookTable, ColoursBeyondTheEndsBeginThere) {
 // anything is not a number, or if values that float can tell apart from the step read the wrong
 // side.
 TEST(LookTable, ExtremeRanges) {
+  OVOID_NOT_UNDER_TSAN();
   const double spans[][2] = {{1e6, 1e6 + 1e-3}, {0, 1e-40},     {-1e300, 1e300},     {5, 5}, {0, 0},
                              {-1e-30, 1e-30},   {1e30, 1.1e30}, {16777216, 16777226}};
   for (const auto& [lo, hi] : spans) {
@@ -403,5 +424,5 @@ TEST(LookTable, ExtremeRanges) {
   }
 }
 
-}  // namespace
+}  // namespace look_table_test
 }  // namespace ovoid::view

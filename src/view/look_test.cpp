@@ -12,7 +12,7 @@
 #include "support/numbers.h"
 
 namespace ovoid {
-namespace {
+namespace look_test {
 
 Look valid() {
   Look look = ramp_look({0.0F, 255.0F});
@@ -242,5 +242,5 @@ TEST(LookPreset, LabelsReachAsFarAsTheData) {
   }
 }
 
-}  // namespace
+}  // namespace look_test
 }  // namespace ovoid

@@ -9,7 +9,7 @@
 #include "support/volumes.h"
 
 namespace ovoid {
-namespace {
+namespace projection_look_test {
 
 constexpr std::int64_t kProjected = 64;
 
@@ -99,5 +99,5 @@ TEST(ProjectionLook, EmptyFieldsAreRefused) {
   EXPECT_ANY_THROW(projection_look(Field(), Mode::kMaximum));
 }
 
-}  // namespace
+}  // namespace projection_look_test
 }  // namespace ovoid

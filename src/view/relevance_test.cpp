@@ -10,7 +10,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::view {
-namespace {
+namespace relevance_test {
 
 RelevanceMap filled(const LatticeField& field, const MayMatter& may_matter, double widening = 1,
                     int grow = 0) {
@@ -129,5 +129,5 @@ TEST(RelevanceMap, BoundsHoldTheField) {
   }
 }
 
-}  // namespace
+}  // namespace relevance_test
 }  // namespace ovoid::view

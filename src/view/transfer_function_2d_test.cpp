@@ -13,7 +13,7 @@
 #include "view/look_2d.h"
 
 namespace ovoid {
-namespace {
+namespace transfer_function_2d_test {
 
 using Rgba = TransferFunction2D::Rgba;
 
@@ -182,5 +182,5 @@ TEST(Look2D, VariationBoundsEveryChange) {
   }
 }
 
-}  // namespace
+}  // namespace transfer_function_2d_test
 }  // namespace ovoid

@@ -12,7 +12,7 @@
 #include "view/value_scale.h"
 
 namespace ovoid {
-namespace {
+namespace transfer_function_test {
 
 TransferFunction with_opacities(std::vector<OpacityPoint> points) {
   TransferFunction tf;
@@ -502,5 +502,5 @@ TEST(ValueScale, SymmetricLogarithmsOfExtremesAreFinite) {
   EXPECT_EQ(before, 1.0);
 }
 
-}  // namespace
+}  // namespace transfer_function_test
 }  // namespace ovoid

@@ -10,7 +10,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::view {
-namespace {
+namespace view_lattice_test {
 
 LatticeGeometry lattice() { return {{20, 30, 10}, test::oblique_axes()}; }
 
@@ -113,5 +113,5 @@ TEST(ViewLattice, NearPlane) {
   EXPECT_LT(all.first, all.last);
 }
 
-}  // namespace
+}  // namespace view_lattice_test
 }  // namespace ovoid::view

@@ -5,10 +5,11 @@
 
 #include "support/agreement.h"
 #include "support/scenes.h"
+#include "support/where.h"
 #include "view/frame_plan.h"
 
 namespace ovoid::test {
-namespace {
+namespace body_centred_test {
 
 // Smooth in space, whichever sublattice a sample is of; no two crests are equally high.
 VolumeFunction waves(const Index3& dims) {
@@ -44,6 +45,7 @@ class BodyCentredMode : public ::testing::TestWithParam<int> {
 
 // Fails if a sublattice is left out, misplaced, or weighed by itself and not with the other.
 TEST_P(BodyCentredMode, SlabsReconstructionsEvaluations) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Reconstruction reconstruction :
          {Reconstruction::kNormalized, Reconstruction::kSum}) {
@@ -64,6 +66,7 @@ TEST_P(BodyCentredMode, SlabsReconstructionsEvaluations) {
 // Fails if the gradient's matrix is not the one of both sublattices, or its correction is not left
 // out where the plain derivative was asked for.
 TEST_P(BodyCentredMode, Gradients) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const GradientMethod method : {GradientMethod::kExact, GradientMethod::kCentral}) {
     for (const Slab slab : {Slab::kMid, Slab::kMean}) {
       Scene scene = body_centred_scene(mode(), slab == Slab::kMid);
@@ -77,6 +80,7 @@ TEST_P(BodyCentredMode, Gradients) {
 
 // Fails if missing samples of one sublattice hide or stand for those of the other.
 TEST_P(BodyCentredMode, Holes) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{11, 9, 20};
   FieldSetup setup;
   setup.lattice = LatticeKind::kBodyCentred;
@@ -135,6 +139,7 @@ TEST(BodyCentredAgreement, KernelsAndSources) {
 
 // Fails if nodes lie farther apart than the narrower kernels allow, or take one sublattice.
 TEST(BodyCentredAgreement, Magnified) {
+  OVOID_NIGHTLY_ON_DEVICE();
   Scene magnified = body_centred_scene(Mode::kComposite, false);
   magnified.camera = askew_camera(magnified.field, false, 8);
   magnified.options = picture(96, 80);
@@ -158,6 +163,8 @@ TEST(BodyCentredAgreement, Magnified) {
 // Fails if nodes of the published ways are not a spacing apart, or samples of one sublattice are
 // not spread. In the lattice's middle, where every pixel is taken from nodes.
 TEST(BodyCentredAgreement, PublishedWays) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{34, 34, 68};
   FieldSetup setup;
   setup.lattice = LatticeKind::kBodyCentred;
@@ -179,5 +186,5 @@ TEST(BodyCentredAgreement, PublishedWays) {
   }
 }
 
-}  // namespace
+}  // namespace body_centred_test
 }  // namespace ovoid::test

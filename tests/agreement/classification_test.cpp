@@ -7,9 +7,10 @@
 
 #include "support/agreement.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace classification_test {
 
 // A gradient of the volume that is neither its least nor its greatest.
 double typical_gradient(const TestVolume& volume) {
@@ -25,6 +26,8 @@ std::string view_name(bool is_parallel) { return is_parallel ? ", parallel" : ",
 
 // Fails if the integrals, the ends beyond the table, or which sample comes before which is off.
 TEST(Preintegrated, AgreesOnEveryVolumeAndLook) {
+  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_UNDER_ASAN();
   for (const TestVolume& volume : test_volumes()) {
     if (volume.name == "one sample") continue;  // has nothing before it
     for (const TestLook& look : test_looks(volume.lo, volume.hi)) {
@@ -41,6 +44,7 @@ TEST(Preintegrated, AgreesOnEveryVolumeAndLook) {
 }
 
 TEST(Preintegrated, AgreesWithOtherOptions) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     Scene scene = small_scene(Mode::kComposite, is_parallel);
     scene.options.classification = Classification::kPreintegrated;
@@ -66,6 +70,7 @@ TEST(Preintegrated, AgreesWithOtherOptions) {
 
 // Fails if pieces that begin at the near plane have a front end before it.
 TEST(Preintegrated, AgreesFromWithin) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const TestVolume& volume : test_volumes()) {
     if (volume.name == "one sample") continue;  // shows nothing
     Scene scene{volume.field, askew_camera(volume.field, false, 1.4),
@@ -79,6 +84,7 @@ TEST(Preintegrated, AgreesFromWithin) {
 
 // Fails if the factor is taken from another gradient, or after the correction for the path.
 TEST(GradientOpacity, AgreesOnEveryVolumeAndLook) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const TestVolume& volume : test_volumes()) {
     if (volume.name == "one sample") continue;  // has no gradient but rounding
     for (const TestLook& test_look : test_looks(volume.lo, volume.hi)) {
@@ -91,6 +97,7 @@ TEST(GradientOpacity, AgreesOnEveryVolumeAndLook) {
 }
 
 TEST(GradientOpacity, AgreesWithOtherOptions) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     Scene scene = small_scene(Mode::kComposite, is_parallel);
     const ValueRange range = scene.field.value_range();
@@ -120,6 +127,7 @@ TEST(GradientOpacity, AgreesWithOtherOptions) {
 
 // Fails if vector code reads a logarithmic table at another place than the table's own.
 TEST(LogarithmicLook, Agrees) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const ValueScale scale : {ValueScale::kLog, ValueScale::kSymlog}) {
       for (const Classification classification :
@@ -151,5 +159,5 @@ TEST(LogarithmicLook, Agrees) {
   }
 }
 
-}  // namespace
+}  // namespace classification_test
 }  // namespace ovoid::test

@@ -11,9 +11,10 @@
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
 #include "support/tolerances.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace depth_limits_test {
 
 struct LimitedView {
   double isovalue;
@@ -59,6 +60,7 @@ TEST(DepthLimits, AgreeForKernelSets) {
 
 // The same of lattices, with samples from the kernels.
 TEST(DepthLimits, AgreeForLattices) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const TestVolume volume = test_volumes()[0];
   RenderOptions options = picture(70, 50, 0);
   options.post_convolution = PostConvolution::kOff;
@@ -69,6 +71,7 @@ TEST(DepthLimits, AgreeForLattices) {
 
 // The same with samples from nodes, in a view from within, to the tier of such pictures.
 TEST(DepthLimits, AgreeForMagnifiedLattices) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const TestVolume volume = test_volumes()[0];
   const double middle = 0.5 * (volume.lo + volume.hi);
   const ImageTolerance tier{.min_psnr_db = kLevelsPsnrDb, .max_8bit = 255};
@@ -79,6 +82,7 @@ TEST(DepthLimits, AgreeForMagnifiedLattices) {
 
 // Fails if planes and limits do not cut the same samples and pieces.
 TEST(DepthLimits, AgreeWithClipPlanes) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField set(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   const TestVolume volume = test_volumes()[0];
   for (const Field& field : {Field(set), Field(volume.field)}) {
@@ -103,6 +107,7 @@ TEST(DepthLimits, AgreeWithClipPlanes) {
 // Fails if what there is of a piece with one end does not reach to a limit on its other side:
 // sheets are so far apart that half a piece is much.
 TEST(DepthLimits, PiecesOfSetsReachToThem) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   Scene scene{field, askew_camera(field, false, 1.3), semi_transparent_look(0, 1),
               picture(50, 70, 0)};
@@ -114,6 +119,7 @@ TEST(DepthLimits, PiecesOfSetsReachToThem) {
 
 // A frame whose stops are before everything and let the field through is the frame without any.
 TEST(DepthLimits, ThatLimitNothingChangeNothing) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField set(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   const TestVolume volume = test_volumes()[0];
   for (const Field& field : {Field(set), Field(volume.field)}) {
@@ -174,6 +180,7 @@ std::shared_ptr<const DepthLimits> limits_at_every_sheet(const Scene& scene) {
 // Fails if a block of samples is left out that a span reaches, or a group of pixels is drawn as if
 // no stop were in it.
 TEST(DepthLimits, AgreeWhereverStopsLieInBlocks) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField set(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   const TestVolume volume = test_volumes()[0];
   for (const Field& field : {Field(set), Field(volume.field)}) {
@@ -203,6 +210,7 @@ TEST(DepthLimits, AgreeWhereverStopsLieInBlocks) {
 
 // Fails if colours of stops are lost where no field is drawn, or hidden ones show.
 TEST(DepthLimits, StopsJoinFrontToBack) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(4).source(), Reconstruction::kNormalized);
   Scene scene{field, askew_camera(field, true, 1.3), semi_transparent_look(0, 1),
               picture(40, 40, 0)};
@@ -230,6 +238,7 @@ TEST(DepthLimits, StopsJoinFrontToBack) {
 }
 
 TEST(DepthLimits, AreRefusedWhereTheyDoNotFit) {
+  OVOID_NIGHTLY_ON_DEVICE();
   DepthLimits limits;
   limits.width = 2;
   limits.height = 1;
@@ -247,6 +256,7 @@ TEST(DepthLimits, AreRefusedWhereTheyDoNotFit) {
 
 // Lattice sheets have other pixels.
 TEST(DepthLimits, AreRefusedOnLatticeSheets) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const TestVolume volume = test_volumes()[0];
   Scene scene{volume.field, askew_camera(volume.field, true, 1.3),
               semi_transparent_look(volume.lo, volume.hi), picture(20, 20)};
@@ -256,5 +266,5 @@ TEST(DepthLimits, AreRefusedOnLatticeSheets) {
   EXPECT_THROW(draw(scene, Backend::kCpu), Error);
 }
 
-}  // namespace
+}  // namespace depth_limits_test
 }  // namespace ovoid::test

@@ -14,7 +14,7 @@
 #include "support/scenes.h"
 
 namespace ovoid::test {
-namespace {
+namespace device_test {
 
 class OnDevice : public ::testing::Test {
  protected:
@@ -420,5 +420,5 @@ TEST_F(OnDevice, SoftwareDriversRefuseTooManyStops) {
   }
 }
 
-}  // namespace
+}  // namespace device_test
 }  // namespace ovoid::test

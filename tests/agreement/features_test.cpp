@@ -10,9 +10,10 @@
 #include "ovoid/model.h"
 #include "support/agreement.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace features_test {
 
 std::string projection_name(bool is_parallel) { return is_parallel ? "parallel" : "perspective"; }
 
@@ -45,6 +46,7 @@ class EveryMode : public ::testing::TestWithParam<int> {
 // Fails if a mode, a slab's mean, a sum or a way to evaluate takes a number otherwise than
 // docs/numerics.md says.
 TEST_P(EveryMode, SlabsReconstructionsEvaluations) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Reconstruction reconstruction :
          {Reconstruction::kNormalized, Reconstruction::kSum}) {
@@ -68,6 +70,7 @@ TEST_P(EveryMode, SlabsReconstructionsEvaluations) {
 // Fails if central differences do not reach over the edges of blocks, tiles and the picture, or
 // stop at the field's own.
 TEST_P(EveryMode, CentralDifferences) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     Scene scene = small_scene(mode(), is_parallel);
     scene.options.gradient = GradientMethod::kCentral;
@@ -78,6 +81,7 @@ TEST_P(EveryMode, CentralDifferences) {
 
 // Fails if the correction of ramps is not left out where the derivative as it is was asked for.
 TEST_P(EveryMode, ExactGradients) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const Slab slab : {Slab::kMid, Slab::kMean}) {
     Scene scene = small_scene(mode(), slab == Slab::kMid);
     scene.options.slab = slab;
@@ -89,6 +93,7 @@ TEST_P(EveryMode, ExactGradients) {
 
 // Fails if planes do not shorten paths, cut samples away or pass over crossings as they should.
 TEST_P(EveryMode, ClipPlanes) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Vec3 center = small_scene(mode(), true).field.world_bounds().center();
   const ClipPlane straight{{0, 0, 2}, 2 * center.z() + 0.3};
   const Vec3 slanted(-1.0, 0.6, 0.5);
@@ -112,6 +117,7 @@ TEST_P(EveryMode, ClipPlanes) {
 // Slices thinner and thicker than a sheet, between sheets anyhow; holes and faces within. Fails if
 // a back end shows the samples on sheets instead of what lies between the planes.
 TEST(Agreement, ModesThatShowValuesOfThickSlices) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Vec3 normal(0.4, -0.5, 0.7);
   for (const Mode mode : {Mode::kXray, Mode::kMaximum, Mode::kMinimum, Mode::kMean}) {
     for (const bool is_parallel : {true, false}) {
@@ -133,6 +139,7 @@ TEST(Agreement, ModesThatShowValuesOfThickSlices) {
 // Surfaces that are seen through, one in a colour of its own. The vulkan back end leaves several to
 // the cpu.
 TEST(Agreement, ThreeIsosurfaces) {
+  OVOID_NIGHTLY_ON_DEVICE();
   if (tested_backend() == Backend::kVulkan) GTEST_SKIP() << "drawn by the cpu";
   for (const bool is_parallel : {true, false}) {
     Scene scene = small_scene(Mode::kIsosurface, is_parallel);
@@ -185,6 +192,7 @@ TEST(Agreement, CutFaces) {
 
 // Fails if sheets at and before the near plane are drawn, or those just behind it are not.
 TEST_P(EveryMode, CameraInsideTheVolume) {
+  OVOID_NIGHTLY_ON_DEVICE();
   Scene scene = small_scene(mode(), false);
   scene.camera.position = scene.field.world_bounds().center();
   scene.camera.focal_point = scene.camera.position + Vec3(1.1, 3.2, 4.0);
@@ -194,6 +202,7 @@ TEST_P(EveryMode, CameraInsideTheVolume) {
 
 // Fails if kernels narrower than a pixel are not widened, sheet by sheet in perspective.
 TEST_P(EveryMode, Minification) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const auto check = [&](bool is_parallel, double pitch, Reconstruction reconstruction,
                          const LatticeKernel& kernel) {
     Scene scene = small_scene(mode(), is_parallel);
@@ -247,6 +256,7 @@ TEST(Agreement, KernelShapes) {
 
 // Fails if missing samples are summed as zeros, or their places' weights as present.
 TEST(Agreement, HolesInEveryMode) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const TestVolume volume = test_volumes()[2];
   for (const LatticeKernel& kernel : kOneSize) {
     const LatticeField field = with_kernel(volume.field, kernel);
@@ -263,6 +273,7 @@ TEST(Agreement, HolesInEveryMode) {
 
 // Fails if coefficients, which overshoot the samples, are taken for values anywhere.
 TEST(Agreement, PrefilteredField) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{14, 13, 12};
   const VolumeFunction shape = shells(dims);
   std::vector<float> samples;
@@ -297,6 +308,7 @@ TEST(Agreement, PrefilteredField) {
 
 // Fails if opacities or paths do not follow the distance of sheets.
 TEST(Agreement, SamplingDistances) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const double factor : {0.25, 0.5, 2.0, 4.0}) {
       Scene scene = small_scene(Mode::kComposite, is_parallel);
@@ -336,6 +348,7 @@ TEST(Agreement, Magnification) {
 
 // Fails if the light's side, the half vector or the highlight is off.
 TEST(Agreement, Light) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
       Scene scene = small_scene(mode, is_parallel);
@@ -365,6 +378,7 @@ TEST(Agreement, Light) {
 
 // Fails if a further light is lost, or weakened by what it should not be.
 TEST(Agreement, FurtherLights) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
       if (is_left_out(is_parallel ? 1 : 0, mode == Mode::kComposite ? 1 : 0)) continue;
@@ -400,6 +414,7 @@ TEST(Agreement, FurtherLights) {
 // Fails if what arrives does not dim the colours of a look that is not lit, or reads it by a
 // normal.
 TEST(Agreement, UnlitLooksAreDimmed) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
       Scene scene = small_scene(mode, is_parallel);
@@ -436,6 +451,7 @@ TEST(Agreement, UnlitLooksAreDimmed) {
 
 // Fails if a back end reads the coarse volume of light elsewhere, or lights other parts with it.
 TEST(Agreement, LightFromACoarseVolume) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
       if (is_left_out(is_parallel ? 1 : 0, mode == Mode::kComposite ? 1 : 0)) continue;
@@ -467,5 +483,5 @@ TEST(Agreement, LightFromACoarseVolume) {
   }
 }
 
-}  // namespace
+}  // namespace features_test
 }  // namespace ovoid::test

@@ -11,9 +11,10 @@
 #include "support/agreement.h"
 #include "support/scenes.h"
 #include "support/volumes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace field_levels_test {
 
 // Smooth over some ten samples, the same in every direction but for its place.
 VolumeFunction rings(const Index3& dims) {
@@ -41,6 +42,7 @@ int level_of(const Scene& scene) {
 }
 
 TEST(FieldLevels, DoubleTheSpacingUpToAPixel) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{130, 128, 96};
   const LatticeField field = make_field(dims, rings(dims));
   const Look look = gray_look(0, 1, 0.1);
@@ -62,6 +64,7 @@ TEST(FieldLevels, DoubleTheSpacingUpToAPixel) {
 
 // A pixel must be wide along every axis that has several samples.
 TEST(FieldLevels, AreOfTheWidestSpacing) {
+  OVOID_NIGHTLY_ON_DEVICE();
   FieldSetup thick;
   thick.world_from_index = scaled_axes(Vec3(1, 1, 5));
   const Look look = gray_look(0, 1, 0.1);
@@ -94,6 +97,9 @@ Image mean_of_finer(Scene scene) {
 
 // Pictures by levels are as near to what pixels should show as those by the widened kernels alone.
 TEST(FieldLevels, LoseNothingThatPixelsCanShow) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{67, 60, 44};
   const auto with_holes = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
     return i > 40 && j > 33 ? kMissing : rings(dims)(i, j, k);
@@ -125,6 +131,7 @@ TEST(FieldLevels, LoseNothingThatPixelsCanShow) {
 
 // What is kept is of one field: another, or the same with other samples, is drawn as it is.
 TEST(FieldLevels, AreOfTheFieldThatIsDrawn) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{64, 64, 64};
   const Look look = gray_look(0, 1, 0.5);
   const LatticeField bright = constant_field(dims, 0.9), dark = constant_field(dims, 0.2);
@@ -138,6 +145,7 @@ TEST(FieldLevels, AreOfTheFieldThatIsDrawn) {
 
 // A picture's opacity is over lengths of the data's spacing, whatever is drawn.
 TEST(FieldLevels, KeepTheUnitDistance) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = constant_field({64, 64, 64}, 0.5);
   Scene scene = view_of(field, 2, uniform_look(0.02));
   const Pixel by_level = center_pixel(draw(scene).image);
@@ -147,6 +155,7 @@ TEST(FieldLevels, KeepTheUnitDistance) {
 }
 
 TEST(FieldLevels, StopWhileTheyAreMade) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{64, 64, 64};
   const LatticeField field = make_field(dims, rings(dims));
   std::stop_source source;
@@ -161,5 +170,5 @@ TEST(FieldLevels, StopWhileTheyAreMade) {
   EXPECT_EQ(levels.at(field, 1, 2, source.get_token()).id(), once);
 }
 
-}  // namespace
+}  // namespace field_levels_test
 }  // namespace ovoid::test

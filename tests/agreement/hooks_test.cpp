@@ -11,9 +11,10 @@
 #include "render/cpu/cpu_renderer.h"
 #include "support/agreement.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace hooks_test {
 
 // Fails to read any brick once `num_reads` have been read.
 class FailingSource final : public BrickSource {
@@ -66,6 +67,7 @@ ErrorCode code_of(const std::function<void()>& work, std::string* message = null
 // Fails if tiles overlap, leave gaps or arrive before their pixels, if callbacks meet, or if
 // progress falls or does not end at 1.
 TEST_P(Hooks, TilesCoverThePictureOnce) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Scene scene = scene_of_many_tiles();
   std::vector<int> times(static_cast<std::size_t>(scene.options.width * scene.options.height), 0);
   Image copied;
@@ -108,6 +110,7 @@ TEST_P(Hooks, TilesCoverThePictureOnce) {
 
 // Fails if a frame is drawn though it was stopped before.
 TEST_P(Hooks, StoppedBefore) {
+  OVOID_NIGHTLY_ON_DEVICE();
   std::stop_source source;
   source.request_stop();
   RenderHooks hooks;
@@ -118,6 +121,7 @@ TEST_P(Hooks, StoppedBefore) {
 
 // Fails if a frame goes on to its end after a stop, or the renderer cannot be used afterwards.
 TEST_P(Hooks, StoppedAtTheFirstTile) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Scene scene = scene_of_many_tiles();
   Renderer renderer(GetParam(), 2);
   const auto frame = [&](const RenderHooks& hooks) {
@@ -138,6 +142,7 @@ TEST_P(Hooks, StoppedAtTheFirstTile) {
 
 // Fails if what a brick source throws is lost, changed, or ends the process.
 TEST_P(Hooks, BrickSourceErrorsArrive) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const int num_reads : {0, 1}) {
     Scene scene = scene_of_many_tiles();
     scene.field = LatticeField(std::make_shared<FailingSource>(scene.lattice(), num_reads),
@@ -150,6 +155,7 @@ TEST_P(Hooks, BrickSourceErrorsArrive) {
 
 // Fails if a hook's own exception is lost.
 TEST_P(Hooks, HookExceptionsArrive) {
+  OVOID_NIGHTLY_ON_DEVICE();
   RenderHooks hooks;
   hooks.progress = [](double) { throw std::runtime_error("the watcher fell asleep"); };
   EXPECT_THROW(render(scene_of_many_tiles(), hooks), std::runtime_error);
@@ -160,5 +166,5 @@ INSTANTIATE_TEST_SUITE_P(Backends, Hooks, ::testing::Values(Backend::kCpu, Backe
                            return test.param == Backend::kCpu ? "cpu" : "reference";
                          });
 
-}  // namespace
+}  // namespace hooks_test
 }  // namespace ovoid::test

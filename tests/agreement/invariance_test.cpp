@@ -15,11 +15,12 @@
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
+#include "support/where.h"
 #include "view/base_plane.h"
 #include "view/frame_plan.h"
 
 namespace ovoid::test {
-namespace {
+namespace invariance_test {
 
 // The least brick source that the interface allows: acquire() shows one brick and nothing beside
 // it, in memory of its own that lives as long as the view's pin and is then overwritten.
@@ -200,6 +201,8 @@ Frame draw_with(const Scene& scene, std::unique_ptr<cpu::Runner> runner) {
 
 // Fails if a tile sees what another one, or an earlier frame, left behind.
 TEST(Invariance, ThreadsAndTheirOrder) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const auto& [name, scene] : scenes()) {
     const Image expected = draw_with(scene, cpu::make_runner(1)).image;
     for (const int threads : {2, 3})
@@ -212,6 +215,8 @@ TEST(Invariance, ThreadsAndTheirOrder) {
 
 // The same of kernel fields, on levels and without.
 TEST(Invariance, ThreadsAndTheirOrderOnKernelSets) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(9).source(), Reconstruction::kNormalized);
   for (const double fill : {1.3, 6.0}) {
     const Scene scene{field, askew_camera(field, false, fill), semi_transparent_look(0, 1),
@@ -227,6 +232,7 @@ TEST(Invariance, ThreadsAndTheirOrderOnKernelSets) {
 
 // Fails if a renderer's second frame is not its first, or another field's frame between shows.
 TEST(Invariance, FramesOfOneRenderer) {
+  OVOID_NIGHTLY_ON_DEVICE();
   Renderer renderer(Backend::kCpu, 2);
   std::vector<Image> first;
   const auto all = scenes();
@@ -241,6 +247,9 @@ TEST(Invariance, FramesOfOneRenderer) {
 
 // Fails if a sample that can be seen is skipped, or one more neighbour changes a sample's bits.
 TEST(Invariance, SkippingChangesNothing) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   std::int64_t skipped_irrelevant = 0;
   std::int64_t skipped_opaque = 0;
   for (const auto& [name, scene] : scenes()) {
@@ -271,6 +280,8 @@ TEST(Invariance, SkippingChangesNothing) {
 
 // Fails if asking for times changes a picture, or gives none.
 TEST(Invariance, ProfilesChangeNothing) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const auto& [name, scene] : scenes()) {
     Scene timed = scene;
     timed.options.collect_profile = true;
@@ -285,6 +296,9 @@ TEST(Invariance, ProfilesChangeNothing) {
 // Fails if the back end reads beyond the brick it asked for, keeps samples after their pin, or
 // draws by the size of bricks.
 TEST(Invariance, BricksOneAtATime) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const auto& [name, scene] : scenes()) {
     const Image expected = draw_with(scene, cpu::make_runner(2)).image;
     for (const int edge : {4, 8, 16, 64}) {
@@ -299,6 +313,9 @@ TEST(Invariance, BricksOneAtATime) {
 
 // Fails if a target's code differs from the others' in what it computes, or is not run at all.
 TEST(SimdTargets, EachAgreesWithTheReference) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   ASSERT_FALSE(simd_targets().empty());
   for (const auto& [name, scene] : scenes()) {
     if (scene.options.slab == Slab::kMean) continue;  // its reference takes long
@@ -315,6 +332,9 @@ TEST(SimdTargets, EachAgreesWithTheReference) {
 
 // Fails if a misspelt target falls back to another in silence.
 TEST(SimdTargets, UnknownNameIsAnError) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   try {
     Renderer(RendererSetup{.backend = Backend::kCpu, .simd_target = "mmx"});
     FAIL() << "nothing was thrown";
@@ -326,5 +346,5 @@ TEST(SimdTargets, UnknownNameIsAnError) {
   }
 }
 
-}  // namespace
+}  // namespace invariance_test
 }  // namespace ovoid::test

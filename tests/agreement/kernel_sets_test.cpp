@@ -8,9 +8,10 @@
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace kernel_sets_test {
 
 struct NamedKernelSet {
   std::string name;
@@ -39,6 +40,8 @@ std::string view_text(bool is_parallel) { return is_parallel ? ", parallel" : ",
 
 // Fails if a section, its rows, the widening, the skipping of blocks or the differences are off.
 TEST(KernelSets, AgreeOnEverySetAndLook) {
+  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_UNDER_ASAN();
   for (const NamedKernelSet& set : kernel_test_sets()) {
     const KernelField field(set.numbers.source(), Reconstruction::kNormalized);
     for (const TestLook& look : test_looks(0, 1)) {
@@ -83,6 +86,7 @@ TEST(KernelSets, AgreeInEveryMode) {
 
 // The vulkan back end leaves several surfaces to the cpu.
 TEST(KernelSets, TellThreeIsosurfacesApart) {
+  OVOID_NIGHTLY_ON_DEVICE();
   if (tested_backend() == Backend::kVulkan) GTEST_SKIP() << "drawn by the cpu";
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized, 0, 1);
   for (const bool is_parallel : {true, false}) {
@@ -96,6 +100,7 @@ TEST(KernelSets, TellThreeIsosurfacesApart) {
 
 // Fails if sets read the coarse volume of light otherwise than lattices do.
 TEST(KernelSets, AgreeOnLightFromACoarseVolume) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
     for (const bool is_parallel : {true, false}) {
@@ -152,6 +157,7 @@ TEST(KernelSets, AgreeOnMeansOfEllipsoids) {
 }
 
 TEST(KernelSets, AgreeOnOtherOptions) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(7).source(), Reconstruction::kNormalized);
   for (const bool is_parallel : {true, false}) {
     const Scene plain{field, askew_camera(field, is_parallel, 1.3), semi_transparent_look(0, 1),
@@ -185,6 +191,7 @@ TEST(KernelSets, AgreeOnOtherOptions) {
 
 // Fails if sets without light are dimmed otherwise than lattices.
 TEST(KernelSets, AgreeOnUnlitLooksThatAreDimmed) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
     Look look = semi_transparent_look(0, 1);
@@ -202,6 +209,7 @@ TEST(KernelSets, AgreeOnUnlitLooksThatAreDimmed) {
 
 // Fails if further lights are lost on sets.
 TEST(KernelSets, AgreeOnFurtherLights) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
     Look look = semi_transparent_look(0, 1);
@@ -217,6 +225,7 @@ TEST(KernelSets, AgreeOnFurtherLights) {
 
 // Fails if light of sets does not fade towards cuts as that of lattices does.
 TEST(KernelSets, AgreeOnCutFaces) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(7).source(), Reconstruction::kNormalized);
   for (const bool is_parallel : {true, false}) {
     Scene scene{field, askew_camera(field, is_parallel, 1.3), semi_transparent_look(0, 1),
@@ -259,6 +268,7 @@ TEST(KernelSets, ColorMayComeFromAnotherAttribute) {
 
 // From kernels below a pixel to a tenth of the picture: none may be lost or counted twice.
 TEST(KernelSets, AgreeOnAllSizesAtOnce) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(balls_of_all_sizes(4000, 1e-4).source(), Reconstruction::kSum);
   for (const Slab slab : {Slab::kMid, Slab::kMean}) {
     Look look = semi_transparent_look(0, field.value_range().hi);
@@ -270,6 +280,7 @@ TEST(KernelSets, AgreeOnAllSizesAtOnce) {
 
 // The camera inside the set: kernels that cross the near plane are cut, not dropped.
 TEST(KernelSets, AgreeFromWithin) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(6).source(), Reconstruction::kNormalized);
   Camera camera;
   camera.position = Vec3(0.5, 0.45, 0.6);
@@ -284,6 +295,7 @@ TEST(KernelSets, AgreeFromWithin) {
 
 // Skipping and stopping change time, not pixels.
 TEST(KernelSets, SkippingChangesNoByte) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(9).source(), Reconstruction::kNormalized);
   const std::vector<ClipPlane> planes[] = {{}, {{{-1, 0.6, 0.5}, -0.1}, {{0, 0, 1}, 0.55}}};
   for (const TestLook& look : test_looks(0, 1)) {
@@ -319,6 +331,7 @@ KernelNumbers clump_in_a_cloud() {
 
 // The same of a sum, whose bounds come from the splats: blocks of the faint cloud cannot show.
 TEST(KernelSets, SkippingFaintSumsChangesNoByte) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(clump_in_a_cloud().source(), Reconstruction::kSum);
   const double hi = field.value_range().hi;
   std::vector<TestLook> looks = test_looks(static_cast<float>(0.2 * hi), static_cast<float>(hi));
@@ -358,6 +371,7 @@ int clear_seen_by_one(Image& a, Image& b) {
 // Balls of a sum that are far smaller than pixels and sheets share splats, and the picture shows it
 // to the tier of levels.
 TEST(KernelSets, BallsSmallerThanSamplesMerge) {
+  OVOID_NIGHTLY_ON_DEVICE();
   KernelNumbers set = balls_of_all_sizes(120000, 0.001);
   for (std::size_t i = 0; i < set.weights.size(); ++i) {  // Plummer's sphere
     const Vec3 out(set.centers[3 * i] - 0.5, set.centers[3 * i + 1] - 0.5,
@@ -394,6 +408,8 @@ TEST(KernelSets, BallsSmallerThanSamplesMerge) {
 // Magnified until kernels go to the coarse levels: the tier of post-convolution. Fails if a level's
 // samples lie elsewhere, or the filter's phases are swapped.
 TEST(KernelSets, LevelsAgreeWithDirectSums) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   if (is_on_graphics_processor()) GTEST_SKIP() << "which sums all kernels directly";
   for (const NamedKernelSet& set : kernel_test_sets()) {
     const KernelField field(set.numbers.source(), Reconstruction::kNormalized);
@@ -422,6 +438,7 @@ std::int64_t num_seen(const Image& image) {
 // Fails if what filters carry beyond the cut of a kernel counts as a part of a sum: pictures of
 // sums would end at samples of coarse levels.
 TEST(KernelSets, SumsOnLevelsEndWhereTheirKernelsDo) {
+  OVOID_NIGHTLY_ON_DEVICE();
   if (is_on_graphics_processor()) GTEST_SKIP() << "which sums all kernels directly";
   KernelNumbers blobs = balls_of_all_sizes(300, 0.02);
   for (const NamedKernelSet& set : {NamedKernelSet{"ellipsoids", jittered_ellipsoids(5)},
@@ -454,6 +471,7 @@ TEST(KernelSets, SumsOnLevelsEndWhereTheirKernelsDo) {
 
 // At cut-off 6, where a box and a ball agree, a lattice and its own kernels give one picture.
 TEST(KernelSets, EqualTheLatticeOfTheSameKernels) {
+  OVOID_NIGHTLY_ON_DEVICE();
   constexpr int kEdge = 9;
   const KernelNumbers numbers = lattice_balls(kEdge, 6);
   const KernelField set(numbers.source(), Reconstruction::kNormalized);
@@ -487,5 +505,5 @@ TEST(KernelSets, EqualTheLatticeOfTheSameKernels) {
   }
 }
 
-}  // namespace
+}  // namespace kernel_sets_test
 }  // namespace ovoid::test

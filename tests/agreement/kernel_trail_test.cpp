@@ -9,9 +9,10 @@
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace kernel_trail_test {
 
 constexpr double kLeastDecibels = 60;  // as every picture
 
@@ -68,6 +69,7 @@ void expect_trails_agree(const MovingSet& set, const std::string& name) {
 // Fails if the sheets of one field come before or behind the wrong ones of the others, if moments
 // are mixed with other shares, or if a subtile or layer is left out.
 TEST(KernelTrailAgreement, ModesAndViews) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
       expect_trails_agree(moving_set(mode, is_parallel), is_parallel ? "parallel" : "perspective");
@@ -77,6 +79,7 @@ TEST(KernelTrailAgreement, ModesAndViews) {
 }
 
 TEST(KernelTrailAgreement, ClassificationsAndPlanes) {
+  OVOID_NIGHTLY_ON_DEVICE();
   MovingSet set = moving_set(Mode::kComposite, false);
   const Vec3 normal = Vec3(0.3, -0.8, 0.5).normalized();
   set.scene.options.clip_planes = {{normal, normal.dot(set.scene.field.world_bounds().center())}};
@@ -91,6 +94,7 @@ TEST(KernelTrailAgreement, ClassificationsAndPlanes) {
 
 // Fails if the plans of a field and its trail have other blocks: whatever the number of sheets.
 TEST(KernelTrailAgreement, AnyNumberOfSheets) {
+  OVOID_NIGHTLY_ON_DEVICE();
   MovingSet set = moving_set(Mode::kComposite, true);
   set.scene.options.width = 30;
   set.scene.options.height = 26;
@@ -103,6 +107,7 @@ TEST(KernelTrailAgreement, AnyNumberOfSheets) {
 
 // A sum, whose trail is one set with lower weights; and what levels make of large kernels.
 TEST(KernelTrailAgreement, SumsAndLevels) {
+  OVOID_NIGHTLY_ON_DEVICE();
   KernelNumbers numbers = balls_of_all_sizes(300, 0.02);
   MovingSet set = moving_set(Mode::kComposite, false);
   const KernelField field = shifted(numbers, Vec3::Zero(), Reconstruction::kSum);
@@ -122,6 +127,7 @@ TEST(KernelTrailAgreement, SumsAndLevels) {
 // Fails if what is behind limits is closed with them, stops come in the wrong order, or a part of
 // a pixel is covered twice.
 TEST(KernelTrailAgreement, LimitsHoldForTheFieldAlone) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
     MovingSet set = moving_set(mode, false);
     auto limits = std::make_shared<DepthLimits>(*random_limits(set.scene, 0.6));
@@ -148,6 +154,7 @@ std::shared_ptr<DepthLimits> limits_everywhere(const Scene& scene, const DepthLi
 
 // Fails if the trail shows through a nearer wall, or a wall behind it hides it.
 TEST(KernelTrail, WallsHideWhatIsBehindThem) {
+  OVOID_NIGHTLY_ON_DEVICE();
   MovingSet set = moving_set(Mode::kComposite, true);
   const auto with_wall = [&](float depth) {
     set.scene.options.depth_limits =
@@ -171,6 +178,7 @@ TEST(KernelTrail, WallsHideWhatIsBehindThem) {
 // What stands still looks in its trail as it is: fails if shares do not add up, or what is there at
 // all moments is thinned.
 TEST(KernelTrail, OfWhatStandsStillIsItself) {
+  OVOID_NIGHTLY_ON_DEVICE();
   MovingSet set = moving_set(Mode::kComposite, false);
   const KernelField still = *set.scene.field.kernels();
   set.trail.moments = {{still, 1}};
@@ -191,6 +199,7 @@ TEST(KernelTrail, OfWhatStandsStillIsItself) {
 
 // Fails if tiles that turn opaque or are skipped change the picture.
 TEST(KernelTrail, ShortcutsChangeNothing) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
     MovingSet set = moving_set(mode, false);
     const Image expected = draw_moving(set);
@@ -206,6 +215,7 @@ TEST(KernelTrail, ShortcutsChangeNothing) {
 }
 
 TEST(KernelTrail, RefusesWhatIsNone) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const MovingSet good = moving_set(Mode::kComposite, true);
   const auto refused = [](const MovingSet& set, ErrorCode code) {
     for (const Backend backend : {Backend::kCpu, Backend::kReference}) {
@@ -239,5 +249,5 @@ TEST(KernelTrail, RefusesWhatIsNone) {
   refused(bad, ErrorCode::kUnsupported);
 }
 
-}  // namespace
+}  // namespace kernel_trail_test
 }  // namespace ovoid::test

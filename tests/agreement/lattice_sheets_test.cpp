@@ -12,11 +12,12 @@
 #include "ovoid/error.h"
 #include "support/agreement.h"
 #include "support/scenes.h"
+#include "support/where.h"
 #include "view/base_plane.h"
 #include "view/frame_plan.h"
 
 namespace ovoid::test {
-namespace {
+namespace lattice_sheets_test {
 
 Scene on_lattice(Scene scene) {
   scene.options.sheets = Sheets::kLattice;
@@ -61,6 +62,7 @@ bool must_be_image_sheets(const Scene& scene) {
 
 // Fails if an axis is taken for another one, or samples lie elsewhere.
 TEST_F(LatticeSheets, AgreeInEveryModeAndView) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (int m = 0; m < 5; ++m) {
     for (const bool is_parallel : {true, false}) {
       Scene scene = small_scene(kModes[m], is_parallel);
@@ -77,6 +79,7 @@ TEST_F(LatticeSheets, AgreeInEveryModeAndView) {
 
 // Fails if faces, holes, stored types or a lattice of one slice or sample are off.
 TEST_F(LatticeSheets, AgreeOnEveryVolumeAndLook) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const TestVolume& volume : test_volumes()) {
     const bool is_one_sample = volume.field.num_kernels() == 1;
     for (const TestLook& look : test_looks(volume.lo, volume.hi)) {
@@ -100,6 +103,7 @@ TEST_F(LatticeSheets, AgreeOnEveryVolumeAndLook) {
 using Change = std::function<void(Scene&)>;
 
 TEST_F(LatticeSheets, AgreeWithOtherOptions) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const std::vector<std::pair<std::string, Change>> changes = {
       {"sampled", [](Scene& s) { s.options.classification = Classification::kSampled; }},
       {"pre-integrated",
@@ -147,6 +151,7 @@ TEST_F(LatticeSheets, AgreeWithOtherOptions) {
 
 // Kernels of every kind, sums, and two sublattices: ways of their own to form a sample.
 TEST_F(LatticeSheets, AgreeForEveryKindOfField) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{12, 11, 14};
   for (const bool is_parallel : {true, false}) {
     for (const LatticeKind lattice : {LatticeKind::kCartesian, LatticeKind::kBodyCentred}) {
@@ -177,6 +182,7 @@ TEST_F(LatticeSheets, AgreeForEveryKindOfField) {
 
 // Exactly between two axes or three; along an axis; and spacings a hundred times as wide.
 TEST_F(LatticeSheets, AgreeInExtremeViews) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{12, 11, 13};
   int num_drawn = 0;
   for (const double thickness : {1.0, 100.0}) {
@@ -205,6 +211,7 @@ double largest_difference(const Image& a, const Image& b) { return compare(a, b)
 
 // Fails if a sample's value depends on which others are worked out with it.
 TEST_F(LatticeSheets, SkippingAndStoppingChangeNoByte) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Mode mode : kModes) {
       Scene scene = on_lattice(small_scene(mode, is_parallel));
@@ -264,6 +271,8 @@ Scene opaque_waves(bool is_parallel, const Vec3& direction) {
 // A steep look is no farther from the mean of 4 x 4 rays whose samples are eight times as close
 // than image sheets are. Fails if the warp blurs what classification made sharp.
 TEST_F(LatticeSheets, AreAsNearToTheMeanOfFinerRaysAsImageSheets) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Vec3& direction : {Vec3(0.48, -0.31, 0.82), Vec3(0.6, -0.5, 0.8)}) {
       Scene scene = opaque_waves(is_parallel, direction);
@@ -285,6 +294,7 @@ TEST_F(LatticeSheets, AreAsNearToTheMeanOfFinerRaysAsImageSheets) {
 // Just before and just behind where the main axis changes, the picture differs by less than by a
 // turn of half a degree.
 TEST_F(LatticeSheets, NothingPopsWhereTheMainAxisChanges) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const auto drawn_at = [](double degrees) {
     const double angle = degrees * std::numbers::pi / 180;
     Scene scene = opaque_waves(true, {std::sin(angle), 0.2, std::cos(angle)});
@@ -302,6 +312,8 @@ TEST_F(LatticeSheets, NothingPopsWhereTheMainAxisChanges) {
 // to that of all samples, and far fewer. Fails if what lies between is filled wrongly, or what is
 // sharp is filled at all.
 TEST_F(LatticeSheets, MagnifiedPicturesAreThoseOfAllSamples) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const std::vector<std::vector<OpacityPoint>> looks = {
       {{0.2, 0}, {1, 0.2}}, {{0.55, 0}, {0.6, 0.9}}, {{0.4, 0}, {0.5, 0.3}, {0.6, 0}}};
   for (const bool is_parallel : {true, false}) {
@@ -332,6 +344,7 @@ TEST_F(LatticeSheets, MagnifiedPicturesAreThoseOfAllSamples) {
 
 // Lines of a steep look are thinner than samples apart: every sample is drawn.
 TEST_F(LatticeSheets, SteepLooksHaveAllSamples) {
+  OVOID_NIGHTLY_ON_DEVICE();
   Scene scene = on_lattice(opaque_waves(true, Vec3(0.48, -0.31, 0.82)));
   scene.look.transfer_function.opacities = {{0.5, 0}, {0.505, 0.5}, {0.51, 0}};
   scene.camera.zoom(9);
@@ -351,6 +364,7 @@ void expect_refused(const Scene& scene, const std::string& reason) {
 }
 
 TEST_F(LatticeSheets, SayWhatTheyCannotDraw) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Scene plain = small_scene(Mode::kComposite, false);
   Scene scene = plain;
   scene.options.gradient = GradientMethod::kCentral;
@@ -370,5 +384,5 @@ TEST_F(LatticeSheets, SayWhatTheyCannotDraw) {
   expect_refused(scene, "60 degrees");
 }
 
-}  // namespace
+}  // namespace lattice_sheets_test
 }  // namespace ovoid::test

@@ -11,9 +11,10 @@
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace look_2d_test {
 
 // Regions that every volume has something in: flat insides of low values, and boundaries.
 Look look_by_gradient(double lo, double hi, double spacing) {
@@ -54,6 +55,7 @@ Scene scene_by_gradient(bool is_parallel) {
 
 // Fails if the place in the table is off along either axis, or the gradient is another's.
 TEST(Look2D, AgreesOnEveryVolume) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const TestVolume& volume : test_volumes()) {
     if (volume.name == "one sample") continue;  // has no gradient but rounding
     for (const bool is_parallel : {true, false}) {
@@ -71,6 +73,7 @@ TEST(Look2D, AgreesOnEveryVolume) {
 
 // Fails if one of the ways to a sample's gradient misses the look.
 TEST(Look2D, AgreesWithOtherOptions) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Vec3 normal(-1.0, 0.6, 0.5);
   const std::pair<const char*, void (*)(Scene&)> kChanges[] = {
       {"no light", [](Scene& s) { s.look.shade = false; }},
@@ -102,6 +105,7 @@ TEST(Look2D, AgreesWithOtherOptions) {
 }
 
 TEST(Look2D, AgreesOnSetsOfKernels) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   for (const bool is_parallel : {true, false}) {
     Scene scene{field, askew_camera(field, is_parallel, 1.2), look_by_gradient(field),
@@ -114,6 +118,7 @@ TEST(Look2D, AgreesOnSetsOfKernels) {
 
 // Fails if volumes that are mixed take each other's function.
 TEST(Look2D, AgreesWithAFurtherVolume) {
+  OVOID_NIGHTLY_ON_DEVICE();
   Scene scene = scene_by_gradient(true);
   Look plain = semi_transparent_look(scene.field.value_range().lo, scene.field.value_range().hi);
   plain.occlusion = plain.shadows = 0;
@@ -129,6 +134,7 @@ TEST(Look2D, AgreesWithAFurtherVolume) {
 
 // Fails if something is left out that only some gradients show.
 TEST(Look2D, SkippingChangesNoByte) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_refined : {true, false}) {
     Scene scene = scene_by_gradient(false);
     const ValueRange range = scene.field.value_range();
@@ -148,6 +154,7 @@ TEST(Look2D, SkippingChangesNoByte) {
 // A table that says at every gradient what a look says. What lies between two entries, and the
 // steps of pieces, differ by little.
 TEST(Look2D, IsTheLookThatItRepeatsAlongTheGradient) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_refined : {true, false}) {
     for (const Backend backend : {Backend::kReference, Backend::kCpu}) {
       Scene scene = small_scene(Mode::kComposite, true);
@@ -179,6 +186,7 @@ TEST(Look2D, IsTheLookThatItRepeatsAlongTheGradient) {
 
 // Fails if something is silently drawn otherwise than it was asked for.
 TEST(Look2D, RefusesWhatHasNoGradient) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const auto error_of = [](void (*change)(Scene&)) -> std::string {
     Scene scene = scene_by_gradient(true);
     change(scene);
@@ -203,5 +211,5 @@ TEST(Look2D, RefusesWhatHasNoGradient) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace look_2d_test
 }  // namespace ovoid::test

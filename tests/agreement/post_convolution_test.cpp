@@ -12,10 +12,11 @@
 #include "ovoid/sampler.h"
 #include "support/agreement.h"
 #include "support/scenes.h"
+#include "support/where.h"
 #include "view/frame_plan.h"
 
 namespace ovoid::test {
-namespace {
+namespace post_convolution_test {
 
 constexpr Index3 kDims{44, 40, 42};
 
@@ -42,6 +43,8 @@ Scene magnified(const LatticeField& field, const Look& look, bool is_parallel, d
 // Fails if nodes or their weights are off by a fraction of a pixel, a phase is mirrored, gradients
 // are not brought up, or nodes are farther apart than the documents say.
 TEST(PostConvolution, AgreesWithEveryPixelWorkedOut) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const std::vector<std::pair<const char*, LatticeField>> fields = {{"shells", shells_field()},
                                                                     {"head", sample_field("head")}};
   for (const auto& [name, field] : fields) {
@@ -69,6 +72,7 @@ TEST(PostConvolution, AgreesWithEveryPixelWorkedOut) {
 }
 
 TEST(PostConvolution, AgreesInEveryMode) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = shells_field();
   for (const Mode mode : {Mode::kXray, Mode::kMaximum, Mode::kMean}) {
     for (const double pixels : {4.0, 7.3, 16.0, 40.0}) {
@@ -85,6 +89,8 @@ TEST(PostConvolution, AgreesInEveryMode) {
 // Pieces begin on a sheet and end on the next, crossings lie between the two, a mean sample is an
 // integral, and kernels may scatter themselves to nodes, too.
 TEST(PostConvolution, AgreesOnWhatIsNoSingleSample) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = shells_field();
   const auto agrees = [](const Scene& scene, const char* what) {
     const Frame exact = drawn(scene, PostConvolution::kOff);
@@ -137,6 +143,7 @@ TEST(PostConvolution, AgreesFromWithin) {
 
 // Clip planes cut pixels, not nodes; and nothing may hang on pixels turning opaque.
 TEST(PostConvolution, ClipPlanesStaySharp) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = shells_field();
   Scene scene = magnified(field, semi_transparent_look(0, 1), false, 8);
   const Vec3 normal(-1, 0.6, 0.5);
@@ -155,6 +162,7 @@ TEST(PostConvolution, ClipPlanesStaySharp) {
 
 // Missing samples make holes that nodes would not see.
 TEST(PostConvolution, HolesStayAsTheyAre) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const VolumeFunction whole = shells(kDims);
   const LatticeField field =
       make_stored_field(kDims,
@@ -170,6 +178,7 @@ TEST(PostConvolution, HolesStayAsTheyAre) {
 
 // The picture does not depend on who draws which patch.
 TEST(PostConvolution, ThreadsChangeNothing) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Scene scene = magnified(shells_field(), semi_transparent_look(0, 1), false, 8);
   Renderer one(Backend::kCpu, 1);
   Renderer four(Backend::kCpu, 4);
@@ -229,6 +238,7 @@ double published_filter(PostConvolution how, double distance) {
 // Against the definition, worked out here in double: a node per spacing from the picture's corner,
 // weights over their sum. Fails if a filter, its phases or the nodes' places are off.
 TEST(PostConvolution, PublishedFiltersAreWhatTheyAreCalled) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = deep_field(shells({90, 90, 1}));
   const FieldSampler sampler{Field(field)};
   for (const double pixels : {3.0, 4.0, 5.3}) {
@@ -279,6 +289,8 @@ VolumeFunction band_limited(double limit) {
 // The published account of the blur [Neophytou 2003]: two low-passes in a row lose more the more
 // the volume holds, Keys' filter loses least, and what auto does loses nothing to speak of.
 TEST(PostConvolution, WhatTheWaysLose) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   double cubic_of_smooth = 0, cubic_of_rough = 0;
   for (const double limit : {0.15, 0.3, 0.45}) {
     const LatticeField field = deep_field(band_limited(limit));
@@ -305,6 +317,7 @@ TEST(PostConvolution, WhatTheWaysLose) {
 // Convolving after classification and light is wrong: a picture of a node per spacing, brought up
 // by the same filter that auto uses.
 TEST(PostConvolution, ConvolvingAfterShadingIsWorse) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = sample_field("head");
   const ValueRange range = field.value_range();
   Scene scene = magnified(field, semi_transparent_look(range.lo, range.hi), true, 8, 160, 160);
@@ -344,6 +357,7 @@ TEST(PostConvolution, ConvolvingAfterShadingIsWorse) {
 
 // A ramp has one gradient: a plane through it, shaded, is one colour, without a trace of the nodes.
 TEST(PostConvolution, FlatSurfacesHaveNoPattern) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field =
       make_stored_field({32, 32, 32},
                         [](std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -376,6 +390,7 @@ TEST(PostConvolution, FlatSurfacesHaveNoPattern) {
 // than a filter has taps, a hundred spacings per pixel, and a picture too wide for one row of
 // patches to be anything but sliced.
 TEST(PostConvolution, ExtremesAgree) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = shells_field();
   struct Extreme {
     double pixels;
@@ -398,5 +413,5 @@ TEST(PostConvolution, ExtremesAgree) {
   }
 }
 
-}  // namespace
+}  // namespace post_convolution_test
 }  // namespace ovoid::test

@@ -15,9 +15,10 @@
 #include "ovoid/sampler.h"
 #include "support/agreement.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace prefilter_test {
 
 constexpr Index3 kPrefilteredDims{13, 12, 11};
 
@@ -84,6 +85,7 @@ double share_at_cutoff(double sigma) {
 }
 
 TEST(PrefilteredPlanes, ReachesAreWholeNumbersWhereTheyAreMeantTo) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const LatticeKernel& kernel : kKernels) EXPECT_EQ(kernel.support_radius(), 2.0);
   EXPECT_EQ((LatticeKernel{0.6, 3.333}).support_radius(), 0.6 * 3.333);
 }
@@ -91,6 +93,7 @@ TEST(PrefilteredPlanes, ReachesAreWholeNumbersWhereTheyAreMeantTo) {
 // Fails if the field on a sample has other taps than beside it: its limits on both sides then lie
 // on one side of the sample's value. The jump between them is the definition's own, and no more.
 TEST(PrefilteredPlanes, LimitsOnBothSidesHaveTheSampleBetweenThem) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Dataset data = noise();
   for (const LatticeKernel& kernel : kKernels) {
     SCOPED_TRACE(kernel.sigma);
@@ -126,6 +129,7 @@ TEST(PrefilteredPlanes, LimitsOnBothSidesHaveTheSampleBetweenThem) {
 // Fails if a back end drops or adds a tap beside a plane: x-rays of one sheet, whose pixels lie a
 // little before or behind samples along x and y.
 TEST(PrefilteredPlanes, BackEndsHaveTheReferencesLimits) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Dataset data = noise();
   for (const LatticeKernel& kernel : kKernels) {
     const LatticeField field = prefiltered(data, kernel);
@@ -151,5 +155,5 @@ TEST(PrefilteredPlanes, BackEndsHaveTheReferencesLimits) {
   }
 }
 
-}  // namespace
+}  // namespace prefilter_test
 }  // namespace ovoid::test

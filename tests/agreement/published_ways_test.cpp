@@ -10,9 +10,10 @@
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
 #include "support/tolerances.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace published_ways_test {
 
 struct View {
   bool is_parallel = true;
@@ -77,32 +78,46 @@ void expect_agreement(const std::string& name, View at, const std::function<void
 }
 
 TEST(PublishedWays, LatticesAgreeInComposite) {
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("composite", {}, [](Scene&) {});
 }
 
 TEST(PublishedWays, LatticesAgreeOnOpaquePeaks) {
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("peak", {.thickness = 4},
                    [](Scene& scene) { scene.look = test_looks(0, 1).front().look; });
 }
 
 // So few pixels per node that a patch has nearly as many nodes as there may be.
 TEST(PublishedWays, LatticesAgreeOnDenseNodes) {
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("dense nodes", {.pixels = 2.2}, [](Scene&) {});
 }
 
 TEST(PublishedWays, LatticesAgreeInXray) {
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("x-ray", {}, [](Scene& scene) { scene.look.mode = Mode::kXray; });
 }
 
 TEST(PublishedWays, LatticesAgreeInMaximum) {
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("maximum", {}, [](Scene& scene) { scene.look.mode = Mode::kMaximum; });
 }
 
 TEST(PublishedWays, LatticesAgreeInMean) {
+  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_UNDER_TSAN();
   expect_agreement("mean", {}, [](Scene& scene) { scene.look.mode = Mode::kMean; });
 }
 
 TEST(PublishedWays, LatticesAgreeOnIsosurfaces) {
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("isosurface", {}, [](Scene& scene) {
     scene.look.mode = Mode::kIsosurface;
     scene.look.isovalue = 0.55;
@@ -110,17 +125,25 @@ TEST(PublishedWays, LatticesAgreeOnIsosurfaces) {
 }
 
 TEST(PublishedWays, LatticesAgreeOnPieces) {
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("pre-integrated", {}, [](Scene& scene) {
     scene.options.classification = Classification::kPreintegrated;
   });
 }
 
 TEST(PublishedWays, LatticesAgreeOnDifferences) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("central", {.width = 26, .height = 22, .thickness = 3},
                    [](Scene& scene) { scene.options.gradient = GradientMethod::kCentral; });
 }
 
 TEST(PublishedWays, LatticesAgreeOnDifferencesOfPieces) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("central, pre-integrated", {.width = 26, .height = 22, .thickness = 3},
                    [](Scene& scene) {
                      scene.options.gradient = GradientMethod::kCentral;
@@ -130,16 +153,25 @@ TEST(PublishedWays, LatticesAgreeOnDifferencesOfPieces) {
 
 // The reference integrates each of a pixel's 36 nodes along the slab.
 TEST(PublishedWays, LatticesAgreeOnMeansOfSlabs) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("mean slabs", {.width = 18, .height = 16, .thickness = 2},
                    [](Scene& scene) { scene.options.slab = Slab::kMean; });
 }
 
 TEST(PublishedWays, LatticesAgreeOnBilinearSpread) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("spread", {.width = 26, .height = 22, .thickness = 3},
                    [](Scene& scene) { scene.options.spread = Spread::kBilinear; });
 }
 
 TEST(PublishedWays, LatticesAgreeOnBilinearSpreadInXray) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("spread x-ray", {.width = 30, .height = 24, .thickness = 3}, [](Scene& scene) {
     scene.options.spread = Spread::kBilinear;
     scene.look.mode = Mode::kXray;
@@ -147,6 +179,9 @@ TEST(PublishedWays, LatticesAgreeOnBilinearSpreadInXray) {
 }
 
 TEST(PublishedWays, LatticesAgreeOnBilinearSpreadOfIsosurfaces) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("spread isosurface", {.width = 30, .height = 24, .thickness = 3},
                    [](Scene& scene) {
                      scene.options.spread = Spread::kBilinear;
@@ -156,6 +191,9 @@ TEST(PublishedWays, LatticesAgreeOnBilinearSpreadOfIsosurfaces) {
 }
 
 TEST(PublishedWays, LatticesAgreeOnBilinearSpreadOfPieces) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("spread pre-integrated", {.width = 26, .height = 22, .thickness = 3},
                    [](Scene& scene) {
                      scene.options.spread = Spread::kBilinear;
@@ -165,6 +203,8 @@ TEST(PublishedWays, LatticesAgreeOnBilinearSpreadOfPieces) {
 
 // The spread is a weighted mean of a lattice's samples.
 TEST(PublishedWays, SpreadIsOfNormalizedLatticesAlone) {
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   Scene scene = inner_scene(semi_transparent_look(0, 1), {});
   scene.options.post_convolution = PostConvolution::kCubic;
   scene.options.spread = Spread::kBilinear;
@@ -199,12 +239,15 @@ void expect_sets_agree(const std::string& name, const KernelField& field,
 }
 
 TEST(PublishedWays, SetsAgree) {
+  OVOID_NOT_UNDER_TSAN();
   expect_sets_agree("ellipsoids",
                     KernelField(jittered_ellipsoids(7).source(), Reconstruction::kNormalized),
                     [](Scene&) {});
 }
 
 TEST(PublishedWays, SetsAgreeOnAnotherColor) {
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(7).source(), Reconstruction::kNormalized, 0, 1);
   expect_sets_agree("own colour", field, [&](Scene& scene) {
     scene.look.color_function = ramp_look(field.color_range()).transfer_function;
@@ -212,12 +255,16 @@ TEST(PublishedWays, SetsAgreeOnAnotherColor) {
 }
 
 TEST(PublishedWays, SetsAgreeInXray) {
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_sets_agree("sums, x-ray",
                     KernelField(jittered_ellipsoids(7, 2.5).source(), Reconstruction::kSum),
                     [](Scene& scene) { scene.look.mode = Mode::kXray; });
 }
 
 TEST(PublishedWays, SetsAgreeOnIsosurfaces) {
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   expect_sets_agree("balls, isosurface",
                     KernelField(jittered_balls(7).source(), Reconstruction::kNormalized),
                     [](Scene& scene) {
@@ -226,5 +273,5 @@ TEST(PublishedWays, SetsAgreeOnIsosurfaces) {
                     });
 }
 
-}  // namespace
+}  // namespace published_ways_test
 }  // namespace ovoid::test

@@ -10,9 +10,10 @@
 #include "ovoid/model.h"
 #include "support/agreement.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace real_sets_test {
 
 struct RealSet {
   std::vector<std::string> files;
@@ -45,6 +46,9 @@ ValueRange usual_values(const KernelField& field) {
 class RealSets : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(RealSets, AgreeOnEveryLook) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const RealSet& set = real_sets()[GetParam()];
   std::vector<std::string> paths;
   for (const std::string& file : set.files) {
@@ -73,5 +77,5 @@ TEST_P(RealSets, AgreeOnEveryLook) {
 
 INSTANTIATE_TEST_SUITE_P(Files, RealSets, testing::Range<std::size_t>(0, 5));
 
-}  // namespace
+}  // namespace real_sets_test
 }  // namespace ovoid::test

@@ -9,10 +9,11 @@
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
+#include "support/where.h"
 #include "view/frame_plan.h"
 
 namespace ovoid::test {
-namespace {
+namespace refined_test {
 
 std::string view_name(bool is_parallel) { return is_parallel ? ", parallel" : ", perspective"; }
 
@@ -41,6 +42,7 @@ bool is_one_sample(const TestVolume& volume) { return volume.field.num_kernels()
 
 // Fails if ends, steps, faces or holes are off, or which sample comes before which.
 TEST(Refined, AgreesOnEveryVolumeAndLook) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const TestVolume& volume : test_volumes()) {
     for (const TestLook& look : test_looks(volume.lo, volume.hi)) {
       for (const double distance : {0.0, 1.7}) {
@@ -94,6 +96,7 @@ const std::vector<std::pair<std::string, Change>>& other_options() {
 }
 
 TEST(Refined, AgreesWithOtherOptions) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const auto& [name, change] : other_options()) {
       Scene scene = small_scene(Mode::kComposite, is_parallel);
@@ -104,6 +107,7 @@ TEST(Refined, AgreesWithOtherOptions) {
 }
 
 TEST(Refined, AgreesOnSums) {
+  OVOID_NIGHTLY_ON_DEVICE();
   FieldSetup setup;
   setup.world_from_index = oblique_axes();
   setup.reconstruction = Reconstruction::kSum;
@@ -122,6 +126,7 @@ TEST(Refined, AgreesOnSums) {
 }
 
 TEST(Refined, AgreesOnBodyCentredLattices) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{11, 9, 20};
   FieldSetup setup;
   setup.world_from_index = oblique_axes();
@@ -164,6 +169,7 @@ TEST(Refined, AgreesFromWithin) {
 
 // Fails if a field is longer or shorter than from face to face, wherever the sheets are.
 TEST(Refined, FieldsEndAtTheirFaces) {
+  OVOID_NIGHTLY_ON_DEVICE();
   constexpr double kOpacity = 0.08;
   constexpr int kLength = 7;
   Scene scene;
@@ -183,6 +189,7 @@ TEST(Refined, FieldsEndAtTheirFaces) {
 
 // Fails if the published ways, which classify samples, are refined all the same.
 TEST(Refined, LeavesThePublishedWaysAlone) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const PostConvolution how : kPublishedWays) {
     Scene scene = small_scene(Mode::kComposite, true);
     scene.camera = askew_camera(scene.field, true, 14);
@@ -198,6 +205,7 @@ TEST(Refined, LeavesThePublishedWaysAlone) {
 
 // Fails if `auto` does not keep what it promises.
 TEST(Refined, NodesKeepTheirBound) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{30, 28, 32};
   const LatticeField field = make_stored_field(dims, shells(dims), {});
   for (const TestLook& look : test_looks(0, 1)) {
@@ -216,6 +224,7 @@ TEST(Refined, NodesKeepTheirBound) {
 
 // Fails if a piece comes before or behind the wrong sheet of the trail.
 TEST(Refined, AgreesWithTrails) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const LatticeKind kind : {LatticeKind::kCartesian, LatticeKind::kBodyCentred}) {
     for (const bool is_parallel : {true, false}) {
       for (const bool is_clipped : {true, false}) {
@@ -265,6 +274,8 @@ std::vector<NamedSet> test_sets() {
 }
 
 TEST(Refined, AgreesOnEverySetAndLook) {
+  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_UNDER_ASAN();
   for (const NamedSet& set : test_sets()) {
     const KernelField field(set.numbers.source(), Reconstruction::kNormalized);
     for (const TestLook& look : test_looks(0, 1)) {
@@ -279,6 +290,7 @@ TEST(Refined, AgreesOnEverySetAndLook) {
 }
 
 TEST(Refined, AgreesOnSetsWithOtherOptions) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const Reconstruction sum : {Reconstruction::kNormalized, Reconstruction::kSum}) {
     const KernelField field(jittered_ellipsoids(7).source(), sum);
     const KernelField colored(field.shared_source(), sum, 0, 1);
@@ -329,6 +341,7 @@ std::vector<Scene> scenes_to_skip() {
 
 // Fails if a piece is left out that shows, at a brick's or a block's border most of all.
 TEST(Refined, SkippingChangesNoByte) {
+  OVOID_NIGHTLY_ON_DEVICE();
   int number = -1;
   for (Scene scene : scenes_to_skip()) {
     ++number;
@@ -380,6 +393,7 @@ TEST(RefinedOnDevice, PiecesAreWholeAcrossBoxesAndPages) {
 
 // Fails if 16 bits are taken where they decide about the number of steps, or never.
 TEST(RefinedOnDevice, HalfSheetsKeepTheirTier) {
+  OVOID_NIGHTLY_ON_DEVICE();
   if (tested_backend() != Backend::kVulkan) GTEST_SKIP() << "another back end is tested";
   const KernelField field(jittered_ellipsoids(9).source(), Reconstruction::kNormalized);
   for (const double opacity : {0.05, 0.9}) {
@@ -401,5 +415,5 @@ TEST(RefinedOnDevice, HalfSheetsKeepTheirTier) {
   }
 }
 
-}  // namespace
+}  // namespace refined_test
 }  // namespace ovoid::test

@@ -7,9 +7,10 @@
 #include "ovoid/slices.h"
 #include "support/agreement.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace slice_fields_test {
 
 Series moving_waves(SeriesKind kind, double hole = -1) {
   const bool is_staggered = kind == SeriesKind::kStaggered;
@@ -36,6 +37,8 @@ Scene scene_of(const LatticeField& field, bool is_parallel) {
 
 // Fails if a step or half has the wrong share or place, or the range of a brick is too narrow.
 TEST(SliceFields, AreTheVolumesOfTheirTimes) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const SeriesKind kind : {SeriesKind::kSteps, SeriesKind::kStaggered}) {
     for (const double hole : {-1.0, 3.0}) {
       const Series series = moving_waves(kind, hole);
@@ -60,6 +63,8 @@ TEST(SliceFields, AreTheVolumesOfTheirTimes) {
 }
 
 TEST(SliceFields, OutliveTheirMaker) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const Series series = moving_waves(SeriesKind::kSteps);
   LatticeField field;
   {
@@ -73,6 +78,8 @@ TEST(SliceFields, OutliveTheirMaker) {
 }
 
 TEST(SliceFields, RefuseWhatIsNoSumOverSteps) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const Series series = moving_waves(SeriesKind::kStaggered);
   TimeSliceOptions options;
   options.filter = TimeFilter::kExact;
@@ -81,5 +88,5 @@ TEST(SliceFields, RefuseWhatIsNoSumOverSteps) {
   EXPECT_THROW(fields.at(-1), Error);
 }
 
-}  // namespace
+}  // namespace slice_fields_test
 }  // namespace ovoid::test

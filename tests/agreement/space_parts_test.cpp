@@ -14,9 +14,10 @@
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace space_parts_test {
 
 // Software drivers take seconds for each picture.
 std::vector<int> counts() {
@@ -71,31 +72,42 @@ void expect_parts_in_every_mode(const Field& field, double isovalue, const Rende
 }
 
 TEST(SpaceParts, MakeTheWholeOfLattices) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const TestVolume volume = test_volumes()[1];
   expect_parts_in_every_mode(volume.field, 0.5 * (volume.lo + volume.hi), picture(70, 50, 0), 1.3);
 }
 
 TEST(SpaceParts, MakeTheWholeOfLatticesWithHoles) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const TestVolume volume = test_volumes()[2];
   expect_parts_in_every_mode(volume.field, 0.5 * (volume.lo + volume.hi), picture(50, 40, 0), 1.3);
 }
 
 TEST(SpaceParts, MakeTheWholeOfMagnifiedLattices) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const TestVolume volume = test_volumes()[0];
   expect_parts_in_every_mode(volume.field, 0.5 * (volume.lo + volume.hi), picture(90, 70, 0), 6);
 }
 
 TEST(SpaceParts, MakeTheWholeOfKernelSets) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   expect_parts_in_every_mode(field, 0.62, picture(90, 70, 0), 1.3);
 }
 
 TEST(SpaceParts, MakeTheWholeOfBallsOfAllSizes) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(balls_of_all_sizes(3000, 0.002).source(), Reconstruction::kSum);
   expect_parts_in_every_mode(field, 0.3, picture(100, 80, 0), 1.2);
 }
 
 TEST(SpaceParts, MakeTheWholeHoweverClassified) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField set(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   const TestVolume volume = test_volumes()[0];
   for (const Field& field : {Field(set), Field(volume.field)}) {
@@ -112,6 +124,7 @@ TEST(SpaceParts, MakeTheWholeHoweverClassified) {
 // Opaque surfaces inside, so that parts behind others are hidden; light that all of the field
 // changes; a cut.
 TEST(SpaceParts, MakeTheWholeInLightAndShadow) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField set(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   const TestVolume volume = test_volumes()[0];
   for (const Field& field : {Field(set), Field(volume.field)}) {
@@ -129,6 +142,7 @@ TEST(SpaceParts, MakeTheWholeInLightAndShadow) {
 // Fails if stops and coverage are taken by several parts or by none, or pieces that have one end
 // reach out to a seam.
 TEST(SpaceParts, MakeTheWholeWithinLimits) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField set(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   const TestVolume volume = test_volumes()[0];
   for (const Field& field : {Field(set), Field(volume.field)}) {
@@ -160,6 +174,8 @@ TEST(SpaceParts, MayBeSharedOutAnyhow) {
 }
 
 TEST(SpaceParts, MakeTheWholeOfBallsThatAreDrawnAsSuch) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField set(jittered_balls(6).source(), Reconstruction::kNormalized);
   Scene scene{Field(set), askew_camera(Field(set), false, 1.3), semi_transparent_look(0, 1),
               picture(90, 70, 0)};
@@ -177,6 +193,7 @@ TEST(SpaceParts, MakeTheWholeOfBallsThatAreDrawnAsSuch) {
 }
 
 TEST(SpaceParts, SayWhatTheyAreNotFor) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const TestVolume volume = test_volumes()[0];
   Scene scene{Field(volume.field), askew_camera(Field(volume.field), false, 1.3),
               semi_transparent_look(volume.lo, volume.hi), picture(20, 20, 0)};
@@ -193,5 +210,5 @@ TEST(SpaceParts, SayWhatTheyAreNotFor) {
   EXPECT_THROW(split_space(scene.field, 0), Error);
 }
 
-}  // namespace
+}  // namespace space_parts_test
 }  // namespace ovoid::test

@@ -4,9 +4,10 @@
 
 #include "support/agreement.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace table_test {
 
 // One sample alone passes for a field only within 0.09 spacings of its place: elsewhere less than
 // 0.48 of the weights are there.
@@ -36,6 +37,10 @@ class AgreementTable : public ::testing::TestWithParam<int> {};
 // Fails if the cpu back end misreads a stored type, its scale, the axes or the missing samples of a
 // volume, or misses a feature of the look that is narrower than its tables resolve.
 TEST_P(AgreementTable, EveryLookBothProjections) {
+  if (GetParam() > 0) {
+    OVOID_NIGHTLY_ON_DEVICE();
+  }
+  OVOID_NOT_UNDER_TSAN();
   const TestVolume volume = test_volumes()[static_cast<std::size_t>(GetParam())];
   int number = GetParam();
   for (const TestLook& look : test_looks(volume.lo, volume.hi)) {
@@ -54,5 +59,5 @@ TEST_P(AgreementTable, EveryLookBothProjections) {
 
 INSTANTIATE_TEST_SUITE_P(Volumes, AgreementTable, ::testing::Range(0, 5));
 
-}  // namespace
+}  // namespace table_test
 }  // namespace ovoid::test

@@ -6,9 +6,10 @@
 #include "ovoid/error.h"
 #include "support/agreement.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace trail_test {
 
 constexpr double kLeastDecibels = 60;  // as every picture
 
@@ -67,6 +68,7 @@ void expect_agreement(TrailScene scene, const std::string& name) {
 // Fails if a sheet of one field is composited before or behind the wrong one of the other, or one
 // takes the other's numbers.
 TEST(TrailAgreement, ModesViewsLattices) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const LatticeKind kind : {LatticeKind::kCartesian, LatticeKind::kBodyCentred}) {
     for (const bool is_parallel : {true, false}) {
       for (const Mode mode : {Mode::kComposite, Mode::kIsosurface})
@@ -78,6 +80,7 @@ TEST(TrailAgreement, ModesViewsLattices) {
 
 // Fails if sheets that are finished late, or pieces between sheets, come out of step.
 TEST(TrailAgreement, DifferencesPiecesAndPlanes) {
+  OVOID_NIGHTLY_ON_DEVICE();
   TrailScene scene = trail_scene(Mode::kComposite, false, LatticeKind::kCartesian);
   scene.scene.options.gradient = GradientMethod::kCentral;
   expect_agreement(scene, "central differences");
@@ -94,6 +97,7 @@ TEST(TrailAgreement, DifferencesPiecesAndPlanes) {
 
 // Fails if a patch of nodes, tiles that turn opaque or are skipped change the picture.
 TEST(TrailAgreement, MagnifiedAndWithoutShortcuts) {
+  OVOID_NIGHTLY_ON_DEVICE();
   TrailScene scene = trail_scene(Mode::kIsosurface, false, LatticeKind::kCartesian);
   scene.scene.camera = askew_camera(scene.scene.field, false, 6);
   scene.scene.options.width = 90;
@@ -108,6 +112,7 @@ TEST(TrailAgreement, MagnifiedAndWithoutShortcuts) {
 
 // A wall in front, and behind it what moved: nothing of the trail is seen through the wall.
 TEST(Trail, NothingIsSeenThroughANearerSurface) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{24, 24, 24};
   // Values are high in a wall of layers 14 to 18; the trail in a ball behind it, and one in front.
   const auto ball = [](double z0) {
@@ -151,6 +156,7 @@ TEST(Trail, NothingIsSeenThroughANearerSurface) {
 
 // Fails if a trail is drawn with what it does not fit.
 TEST(Trail, RefusesOtherLatticesAndModes) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const TrailScene good = trail_scene(Mode::kComposite, true, LatticeKind::kCartesian);
   const auto refused = [](const TrailScene& scene, ErrorCode code) {
     for (const Backend backend : {Backend::kCpu, Backend::kReference}) {
@@ -179,5 +185,5 @@ TEST(Trail, RefusesOtherLatticesAndModes) {
   refused(bad, ErrorCode::kUnsupported);
 }
 
-}  // namespace
+}  // namespace trail_test
 }  // namespace ovoid::test

@@ -8,9 +8,10 @@
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace units_test {
 
 struct Units {
   std::string name;
@@ -65,6 +66,8 @@ void expect_same(const Field& field, const Field& in_units, const Units& unit,
 }
 
 TEST(Units, OfSetsChangeNoPicture) {
+  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_UNDER_ASAN();
   for (const KernelNumbers& numbers : {jittered_ellipsoids(6), jittered_balls(6)}) {
     const KernelField field(numbers.source(), Reconstruction::kNormalized);
     for (const Units& unit : units()) {
@@ -79,6 +82,8 @@ TEST(Units, OfSetsChangeNoPicture) {
 }
 
 TEST(Units, OfLatticesChangeNoPicture) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NIGHTLY_ON_DEVICE();
   const Index3 dims{11, 12, 10};
   FieldSetup setup;
   setup.world_from_index = oblique_axes();
@@ -95,6 +100,8 @@ TEST(Units, OfLatticesChangeNoPicture) {
 }
 
 TEST(Units, OfSetsChangeNoSample) {
+  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_UNDER_ASAN();
   const KernelNumbers numbers = jittered_balls(6);
   const KernelSampler sampler(KernelField(numbers.source(), Reconstruction::kNormalized));
   for (const Units& unit : units()) {
@@ -112,5 +119,5 @@ TEST(Units, OfSetsChangeNoSample) {
   }
 }
 
-}  // namespace
+}  // namespace units_test
 }  // namespace ovoid::test

@@ -11,7 +11,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace classification_test {
 
 constexpr double kSlope = 2.0;
 
@@ -130,5 +130,5 @@ TEST(GradientOpacity, HidesWhatIsFlat) {
   }
 }
 
-}  // namespace
+}  // namespace classification_test
 }  // namespace ovoid::test

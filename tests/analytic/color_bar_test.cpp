@@ -10,7 +10,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace color_bar_test {
 
 // Steps of 1/255: the rounding of both, where they lie on either side of a half.
 constexpr int kSwatchDifference = 1;
@@ -81,5 +81,5 @@ TEST(ColorBarTruth, ModesWithoutLightShowTheFunctionsColour) {
   }
 }
 
-}  // namespace
+}  // namespace color_bar_test
 }  // namespace ovoid::test

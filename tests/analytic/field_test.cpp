@@ -18,7 +18,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace field_test {
 
 using reference::FieldEvaluator;
 using reference::FieldSample;
@@ -309,5 +309,5 @@ TEST(LatticeField, ResidentAndBrickedSourcesAgree) {
   }
 }
 
-}  // namespace
+}  // namespace field_test
 }  // namespace ovoid::test

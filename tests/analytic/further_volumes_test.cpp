@@ -12,7 +12,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace further_volumes_test {
 
 // Along z a box is 8 long; the second begins where half of the first is passed.
 constexpr double kFirstBox = 0.21;  // opacities over a length of 1
@@ -80,5 +80,5 @@ TEST(FurtherVolumes, TwoBoxesMixAsTheirExtinctions) {
   }
 }
 
-}  // namespace
+}  // namespace further_volumes_test
 }  // namespace ovoid::test

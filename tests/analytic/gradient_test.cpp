@@ -10,7 +10,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace gradient_test {
 
 // World = oblique, anisotropic, left-handed image of index space.
 LatticeGeometry leaning_lattice() {
@@ -59,5 +59,5 @@ INSTANTIATE_TEST_SUITE_P(Lattices, GradientOn,
                                                                         : "BodyCentred";
                          });
 
-}  // namespace
+}  // namespace gradient_test
 }  // namespace ovoid::test

@@ -12,7 +12,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace holes_test {
 
 using reference::render;
 
@@ -122,5 +122,5 @@ TEST(Holes, XrayAndIsosurfaceShowNoOtherValue) {
   }
 }
 
-}  // namespace
+}  // namespace holes_test
 }  // namespace ovoid::test

@@ -13,7 +13,7 @@
 #include "support/scenes.h"
 
 namespace ovoid::test {
-namespace {
+namespace kernel_sets_test {
 
 constexpr double kSixDigits = 0.5e-6 * (1 + 1e-9);
 
@@ -183,5 +183,5 @@ TEST(KernelSets, AConstantIsConstant) {
     ASSERT_NEAR(image.rgba[4 * p], 0.5, 1e-3) << p;
 }
 
-}  // namespace
+}  // namespace kernel_sets_test
 }  // namespace ovoid::test

@@ -13,7 +13,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace kernel_sums_test {
 
 using reference::FieldEvaluator;
 using reference::FieldSample;
@@ -176,5 +176,5 @@ TEST(KernelSums, WeightMakesWideSumsOfOnesOne) {
   EXPECT_NEAR(field.at_index({11.5, 11.5, 11.5}, {1.3, 1.1, 1.2}).value, 1.0, 1e-7);
 }
 
-}  // namespace
+}  // namespace kernel_sums_test
 }  // namespace ovoid::test

@@ -11,7 +11,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace light_test {
 
 using reference::render;
 
@@ -317,5 +317,5 @@ TEST(Light, CentralDifferencesConverge) {
   }
 }
 
-}  // namespace
+}  // namespace light_test
 }  // namespace ovoid::test

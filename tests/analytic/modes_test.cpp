@@ -14,7 +14,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace modes_test {
 
 using reference::render;
 
@@ -223,5 +223,5 @@ TEST(Composite, ClassifiesTheReconstructedValue) {
   }
 }
 
-}  // namespace
+}  // namespace modes_test
 }  // namespace ovoid::test

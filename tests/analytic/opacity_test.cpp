@@ -11,7 +11,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace opacity_test {
 
 using reference::render;
 
@@ -263,5 +263,5 @@ TEST(Opacity, StopsWhereItIsToldTo) {
   }
 }
 
-}  // namespace
+}  // namespace opacity_test
 }  // namespace ovoid::test

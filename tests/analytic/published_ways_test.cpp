@@ -15,9 +15,10 @@
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
 #include "support/tolerances.h"
+#include "support/where.h"
 
 namespace ovoid::test {
-namespace {
+namespace published_ways_test {
 
 VolumeFunction noise(double lo, double hi) {
   return [lo, hi](std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -94,6 +95,7 @@ std::vector<Spot> some_spots(const RenderOptions& options, int count) {
 
 // Fails if nodes lie elsewhere, a group of sheets has another pitch, or a filter is another one.
 TEST(PublishedWaysByHand, ReferenceSumsNodes) {
+  OVOID_NOT_UNDER_ASAN();
   const SampledField noisy = noise_field();
   for_each_sheet_scene(noisy.field, with_mode(gray_look(0, 1), Mode::kMean),
                        [&](const Scene& scene, std::int64_t sheet) {
@@ -133,6 +135,7 @@ void expect_lengths(const Scene& scene, const HandView& view, double longest,
 
 // Fails if the nodes' gradients are not each brought up on its own.
 TEST(PublishedWaysByHand, ReferenceSumsGradients) {
+  OVOID_NOT_UNDER_ASAN();
   constexpr double kLongest = 2;
   const SampledField noisy = noise_field();
   for_each_sheet_scene(
@@ -167,6 +170,7 @@ Vec3 node_difference(const HandView& view, double p, int i, int j, std::int64_t 
 
 // Fails if differences are taken between pixels, or nodes of the neighbouring sheets lie elsewhere.
 TEST(PublishedWaysByHand, ReferenceTakesDifferencesOfNodes) {
+  OVOID_NOT_UNDER_ASAN();
   constexpr double kLongest = 2;
   const SampledField noisy = noise_field();
   for_each_sheet_scene(
@@ -188,6 +192,7 @@ TEST(PublishedWaysByHand, ReferenceTakesDifferencesOfNodes) {
 // The front sample of two has its own gradient, the piece behind it the field's half-way between
 // them, or differences at its end.
 TEST(PublishedWaysByHand, ReferenceLightsPieces) {
+  OVOID_NOT_UNDER_ASAN();
   constexpr double kLongest = 2;
   const SampledField noisy = noise_field();
   for_each_sheet_scene(
@@ -228,6 +233,7 @@ TEST(PublishedWaysByHand, ReferenceLightsPieces) {
 
 // Which sheets a surface lies between is the nodes' matter, where it lies between them the field's.
 TEST(PublishedWaysByHand, ReferenceRefinesSurfacesOnTheField) {
+  OVOID_NOT_UNDER_ASAN();
   constexpr double kIso = 0.5;
   const SampledField noisy = noise_field();
   for_each_sheet_scene(noisy.field, uniform_look(1), [&](Scene scene, std::int64_t sheet) {
@@ -298,6 +304,7 @@ double spread_by_hand(const LatticeField& field, const VolumeFunction& samples,
 
 // A lone sample of 1: every pixel shows its share of the weights. Then noise, and its differences.
 TEST(PublishedWaysByHand, ReferenceSpreadsSamples) {
+  OVOID_NOT_UNDER_ASAN();
   FieldSetup setup;
   setup.world_from_index = oblique_axes();
   const VolumeFunction lone = [](std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -346,6 +353,7 @@ TEST(PublishedWaysByHand, ReferenceSpreadsSamples) {
 // Along an axis every node sees its neighbours alike, so a ramp is a ramp on the nodes, which a
 // tent and Keys' filter keep, but not a sum of Gaussians.
 TEST(PublishedWaysByHand, RampsStayRamps) {
+  OVOID_NOT_UNDER_ASAN();
   const LatticeField field =
       make_field({30, 30, 30}, [](std::int64_t i, std::int64_t j, std::int64_t) {
         return (static_cast<double>(i) + 0.5 * static_cast<double>(j)) / 45;
@@ -376,6 +384,7 @@ TEST(PublishedWaysByHand, RampsStayRamps) {
 
 // Exactly where one of 6 x 6 nodes is undefined, pixels are those of `off`.
 TEST(PublishedWaysByHand, PixelsNearUndefinedNodesAreWorkedOut) {
+  OVOID_NOT_UNDER_ASAN();
   const VolumeFunction samples = noise(0.2, 0.8);
   const LatticeField field =
       make_field(kNoiseDims, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -419,6 +428,7 @@ TEST(PublishedWaysByHand, PixelsNearUndefinedNodesAreWorkedOut) {
 }
 
 TEST(PublishedWaysByHand, BelowTheLeastPitchEveryPixelIsWorkedOut) {
+  OVOID_NOT_UNDER_ASAN();
   const LatticeField field = make_field(kNoiseDims, noise(0.2, 0.8));
   for (const double pixels : {1.44, 1.46}) {
     Scene scene{field,
@@ -457,6 +467,7 @@ std::vector<Spot> spots_around(const RenderOptions& options, const HandView& vie
 
 // Kernels that are scattered know no nodes.
 TEST(PublishedWaysByHand, ScatteringKnowsNodesToo) {
+  OVOID_NOT_UNDER_ASAN();
   Scene scene = sheet_scene(noise_field().field, with_mode(gray_look(0, 1), Mode::kMean), true, 3);
   const Image off = draw(scene, Backend::kReference).image;
   scene.options.post_convolution = PostConvolution::kCubic;
@@ -498,6 +509,7 @@ void check_levels(const Scene& scene, std::int64_t sheet, const Vec3& center, do
 }
 
 TEST(PublishedWaysByHand, ReferenceBringsLevelsDown) {
+  OVOID_NOT_UNDER_ASAN();
   constexpr double kPixels = 7;  // per world unit, at the focal point
   const Vec3 center(0.1, -0.2, 0.3), focal_point(0.1, 0.05, 0.3), direction(0.48, -0.31, 0.82);
   for (const double sigma_px : {0.97, 1.9, 2.1, 4.5}) {
@@ -525,5 +537,5 @@ TEST(PublishedWaysByHand, ReferenceBringsLevelsDown) {
   }
 }
 
-}  // namespace
+}  // namespace published_ways_test
 }  // namespace ovoid::test

@@ -13,7 +13,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace rings_test {
 
 using Shape = std::function<double(const Vec3& at)>;  // in [-1, 1]^3
 
@@ -100,5 +100,5 @@ TEST(Rings, LitSurfacesHaveNoFinerPatternThanConvergedOnes) {
   EXPECT_GT(most_sampled, 3) << "samples alone show no rings here";
 }
 
-}  // namespace
+}  // namespace rings_test
 }  // namespace ovoid::test

@@ -15,7 +15,7 @@
 #include "ovoid/simplify.h"
 
 namespace ovoid::test {
-namespace {
+namespace runs_test {
 
 constexpr double kCutOff = 2;
 
@@ -140,5 +140,5 @@ TEST(RunPrimitive, IsWhatIsDrawn) {
   }
 }
 
-}  // namespace
+}  // namespace runs_test
 }  // namespace ovoid::test

@@ -12,7 +12,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace slab_test {
 
 using reference::FieldEvaluator;
 using reference::FieldSample;
@@ -187,5 +187,5 @@ TEST(Slab, NothingInReachIsUndefined) {
   EXPECT_EQ(empty.num_existing(), 0);
 }
 
-}  // namespace
+}  // namespace slab_test
 }  // namespace ovoid::test

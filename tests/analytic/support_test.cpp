@@ -11,7 +11,7 @@
 #include "support/compare.h"
 
 namespace ovoid::test {
-namespace {
+namespace support_test {
 
 // Ten pixels, half of them covered by gray of alpha 1.
 Image half_covered() {
@@ -83,5 +83,5 @@ TEST(Compare, FailureLeavesEvidence) {
   for (const char* name : names) EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
 }
 
-}  // namespace
+}  // namespace support_test
 }  // namespace ovoid::test

@@ -14,7 +14,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace surface_test {
 
 using reference::render;
 
@@ -216,5 +216,5 @@ TEST(Isosurface, IsLitByItsGradient) {
   EXPECT_NEAR(center_pixel(image).b(), 0.8 * (0.1 + 0.7 * normal.z()) + specular, 1e-4);
 }
 
-}  // namespace
+}  // namespace surface_test
 }  // namespace ovoid::test

@@ -17,7 +17,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace view_test {
 
 using reference::render;
 
@@ -244,5 +244,5 @@ TEST(Frame, RefusesBadArguments) {
   EXPECT_TRUE(refused(bumps(), kCamera, look, {}, 1));
 }
 
-}  // namespace
+}  // namespace view_test
 }  // namespace ovoid::test

@@ -11,7 +11,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::test {
-namespace {
+namespace xray_test {
 
 using reference::render;
 
@@ -163,5 +163,5 @@ TEST(Xray, LengthOfABox) {
   }
 }
 
-}  // namespace
+}  // namespace xray_test
 }  // namespace ovoid::test

@@ -9,7 +9,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace animate_test {
 
 // Steps of 8 x 8 x 8 samples in one NRRD file, a ball that grows, at the times 10, 10.5, 11, ...
 std::string write_steps(const Folder& folder, int num_steps = 3) {
@@ -375,5 +375,5 @@ TEST(Animate, RealSeriesMove) {
   }
 }
 
-}  // namespace
+}  // namespace animate_test
 }  // namespace ovoid::cli_tests

@@ -5,7 +5,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace annotation_test {
 
 class Annotation : public ::testing::Test {
  protected:
@@ -122,5 +122,5 @@ TEST_F(Annotation, CropsThatCannotBeAreRefused) {
   refused(planes, 1, {"--crop", "6 clip planes", "11"});
 }
 
-}  // namespace
+}  // namespace annotation_test
 }  // namespace ovoid::cli_tests

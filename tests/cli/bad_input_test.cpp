@@ -6,7 +6,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace bad_input_test {
 
 // NRRD text header; `fields` are its lines but magic, type and encoding.
 std::string nrrd(const std::string& type, const std::string& fields, const std::string& data,
@@ -314,5 +314,5 @@ TEST_F(BadInput, RealVolumesDrawWithoutFlags) {
   if (!is_any_there) GTEST_SKIP() << "no real data beside the project (OVOID_DATA)";
 }
 
-}  // namespace
+}  // namespace bad_input_test
 }  // namespace ovoid::cli_tests

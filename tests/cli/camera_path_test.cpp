@@ -13,7 +13,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace camera_path_test {
 
 using cli::CameraFlags;
 using cli::CameraPath;
@@ -286,5 +286,5 @@ TEST(CameraPaths, WhatTheProgramRefuses) {
                  {"frame 1", "the keys of --camera-path"});
 }
 
-}  // namespace
+}  // namespace camera_path_test
 }  // namespace ovoid::cli_tests

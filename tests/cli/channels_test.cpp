@@ -11,7 +11,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace channels_test {
 
 constexpr int kSide = 12;
 
@@ -234,5 +234,5 @@ TEST_F(Channels, SayWhatIsWrong) {
                   "given 3 times, for 2 channels"));
 }
 
-}  // namespace
+}  // namespace channels_test
 }  // namespace ovoid::cli_tests

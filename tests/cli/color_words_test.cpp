@@ -6,7 +6,7 @@
 #include "values.h"
 
 namespace ovoid::cli {
-namespace {
+namespace color_words_test {
 
 TEST(ColorWords, NamesAndHexadecimals) {
   EXPECT_EQ(hex_text(color_of_word("aliceblue")), "#f0f8ff");
@@ -35,5 +35,5 @@ TEST(ColorWords, WhatIsNoColour) {
   EXPECT_NE(words("1,2,3").find("in [0, 1]"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace color_words_test
 }  // namespace ovoid::cli

@@ -8,7 +8,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace composite_test {
 
 class Composite : public testing::Test {
  protected:
@@ -70,5 +70,5 @@ TEST_F(Composite, PartsRefuseWhatNeedsAWhole) {
   expect_failure(part("1/2", first_, {"--sheets", "lattice"}), 2, {"image sheets"});
 }
 
-}  // namespace
+}  // namespace composite_test
 }  // namespace ovoid::cli_tests

@@ -6,7 +6,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace console_test {
 
 void close_it(int descriptor) { close(descriptor); }
 void fill_it(int descriptor) { dup2(open("/dev/full", O_WRONLY), descriptor); }
@@ -58,5 +58,5 @@ TEST(Console, AnAnswerThatGetsNowhereIsAnError) {
   }
 }
 
-}  // namespace
+}  // namespace console_test
 }  // namespace ovoid::cli_tests

@@ -7,7 +7,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace data_commands_test {
 
 using nlohmann::json;
 
@@ -354,5 +354,5 @@ TEST(Bench, ReportsTimesAndCountsOfOneScene) {
   EXPECT_GT(report["peak_memory_bytes"], 128 * 128 * 128);
 }
 
-}  // namespace
+}  // namespace data_commands_test
 }  // namespace ovoid::cli_tests

@@ -4,7 +4,7 @@
 #include "team.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace devices_test {
 
 // For the programs that it starts.
 class Environment {
@@ -129,5 +129,5 @@ TEST_F(Devices, DrawTheSameBytesTwice) {
   EXPECT_EQ(read_file(picture_), first);
 }
 
-}  // namespace
+}  // namespace devices_test
 }  // namespace ovoid::cli_tests

@@ -8,7 +8,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace dry_run_test {
 
 // The number behind "about" in a row of the answer, in MiB.
 double mebibytes_in(const std::string& text, const std::string& row) {
@@ -90,5 +90,5 @@ TEST(Completion, BashCompletesCommandsFlagsAndChoices) {
   EXPECT_EQ(completed("ovoid render x.nrrd --azimuth ''"), "\n");  // a number: nothing to offer
 }
 
-}  // namespace
+}  // namespace dry_run_test
 }  // namespace ovoid::cli_tests

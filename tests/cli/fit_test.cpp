@@ -11,7 +11,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace fit_test {
 
 using nlohmann::json;
 
@@ -152,5 +152,5 @@ TEST_F(Fit, LatticesBecomeLevels) {
                  {"--kernel: has no effect on the fit of a lattice"});
 }
 
-}  // namespace
+}  // namespace fit_test
 }  // namespace ovoid::cli_tests

@@ -19,7 +19,7 @@
 #include "usage.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace flag_set_test {
 
 using cli::FlagForm;
 using cli::FlagKind;
@@ -450,5 +450,5 @@ TEST(StateWords, WordsThatParsingRefusesComeBack) {
   EXPECT_THROW(cli::with_state({"--state", "no.json"}, cli::render_flags()), Error);
 }
 
-}  // namespace
+}  // namespace flag_set_test
 }  // namespace ovoid::cli_tests

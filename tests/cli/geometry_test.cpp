@@ -11,7 +11,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace geometry_test {
 
 // A pyramid whose base looks at -y, where `ovoid render` looks from; and its top.
 constexpr float kCorners[5][3] = {
@@ -252,5 +252,5 @@ TEST_F(GeometryFiles, AnOpacityOfZeroHides) {
   EXPECT_EQ(drawn(both).rgba, drawn(seen).rgba);
 }
 
-}  // namespace
+}  // namespace geometry_test
 }  // namespace ovoid::cli_tests

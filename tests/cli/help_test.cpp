@@ -6,7 +6,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace help_test {
 
 const char* const kCommands[] = {
     "render", "animate", "info", "make", "convert", "fit", "sample", "bench",
@@ -59,5 +59,5 @@ TEST(Help, UnknownCommandsGetTheNearest) {
   expect_failure({"--versoin"}, 2, {"'--versoin'", "unknown flag"});
 }
 
-}  // namespace
+}  // namespace help_test
 }  // namespace ovoid::cli_tests

@@ -10,7 +10,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace interrupt_test {
 
 // Hours of work: the reference takes every sample of a large picture.
 Words endless(const Folder& folder, const std::string& ball) {
@@ -106,5 +106,5 @@ TEST(Interrupt, TimedFramesStopToo) {
   EXPECT_EQ(folder.num_files(), 1U);
 }
 
-}  // namespace
+}  // namespace interrupt_test
 }  // namespace ovoid::cli_tests

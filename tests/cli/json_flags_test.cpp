@@ -5,7 +5,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace json_flags_test {
 
 constexpr const char* kLookInFlag =
     R"({"Name":"a \"b\" \\ c","RGBPoints":[0.1,0,0,1,255,1,0.25,0],"Points":[0,0,0.5,0,255,1,0.5,0]})";
@@ -45,5 +45,5 @@ TEST(JsonInFlags, StandsForAFile) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
-}  // namespace
+}  // namespace json_flags_test
 }  // namespace ovoid::cli_tests

@@ -12,7 +12,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace kernel_data_test {
 
 using nlohmann::json;
 
@@ -601,5 +601,5 @@ TEST_F(KernelData, MeshesAreDescribedDrawnAndConverted) {
 
 // Few kernels draw what the mesh's draw, without a flag: the file says how they are summed.
 
-}  // namespace
+}  // namespace kernel_data_test
 }  // namespace ovoid::cli_tests

@@ -8,7 +8,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace labels_test {
 
 class LabelMaps : public testing::Test {
  protected:
@@ -202,5 +202,5 @@ TEST_F(LabelMaps, WhatIsWrongIsNamed) {
                  {"--mode", "--labels"});
 }
 
-}  // namespace
+}  // namespace labels_test
 }  // namespace ovoid::cli_tests

@@ -5,7 +5,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace lattice_test {
 
 using nlohmann::json;
 
@@ -121,5 +121,5 @@ TEST(RelevantSamples, OfALookLeaveItsPictureAsItIs) {
                  2, {"contradicts"});
 }
 
-}  // namespace
+}  // namespace lattice_test
 }  // namespace ovoid::cli_tests

@@ -8,7 +8,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace make_solid_test {
 
 class MakeSolid : public testing::Test {
  protected:
@@ -113,5 +113,5 @@ TEST_F(MakeSolid, RefusesMeshesThatAreNoControlMesh) {
   expect_failure({"make", "solid", "--control", star, "-o", star}, 2, {"is an input"});
 }
 
-}  // namespace
+}  // namespace make_solid_test
 }  // namespace ovoid::cli_tests

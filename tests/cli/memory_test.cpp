@@ -8,7 +8,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace memory_test {
 
 constexpr rlim_t kMiB = rlim_t{1} << 20;
 
@@ -142,5 +142,5 @@ TEST_F(Memory, OfKernels) {
              {{"convert", path, "--size", "48"}, "o.npy"}});
 }
 
-}  // namespace
+}  // namespace memory_test
 }  // namespace ovoid::cli_tests

@@ -12,7 +12,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace over_test {
 
 class OverFiles : public testing::Test {
  protected:
@@ -169,5 +169,5 @@ TEST_F(OverFiles, Animates) {
   EXPECT_FALSE(read_file(folder_ / "alone_00.png") == one);
 }
 
-}  // namespace
+}  // namespace over_test
 }  // namespace ovoid::cli_tests

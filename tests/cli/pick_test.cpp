@@ -7,7 +7,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace pick_test {
 
 using Json = nlohmann::ordered_json;
 
@@ -124,5 +124,5 @@ TEST_F(Pick, RefusesInWords) {
   refused({}, "--output: none given");
 }
 
-}  // namespace
+}  // namespace pick_test
 }  // namespace ovoid::cli_tests

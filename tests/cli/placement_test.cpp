@@ -11,7 +11,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace placement_test {
 
 using cli::placement_from_text;
 
@@ -116,5 +116,5 @@ TEST(Placement, SpacesOfPatientsDifferInTwoSigns) {
   expect_map(cli::between_spaces(Space::kNone, Space::kLps), {1, 2, 3}, {1, 2, 3});
 }
 
-}  // namespace
+}  // namespace placement_test
 }  // namespace ovoid::cli_tests

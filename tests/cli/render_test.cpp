@@ -7,7 +7,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace render_test {
 
 class Render : public ::testing::Test {
  protected:
@@ -511,5 +511,5 @@ TEST_F(Render, ProfileWithoutAFileIsATableOnStandardError) {
   }
 }
 
-}  // namespace
+}  // namespace render_test
 }  // namespace ovoid::cli_tests

@@ -9,7 +9,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace simplify_test {
 
 using nlohmann::json;
 
@@ -83,5 +83,5 @@ TEST_F(Simplify, RefusesWhatCannotBe) {
   expect_failure({"simplify", head_, "-o", "/dev/full"}, 2, {".h5"});
 }
 
-}  // namespace
+}  // namespace simplify_test
 }  // namespace ovoid::cli_tests

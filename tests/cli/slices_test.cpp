@@ -7,7 +7,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace slices_test {
 
 using nlohmann::json;
 
@@ -182,5 +182,5 @@ TEST(MemoryLimit, IsHeeded) {
     expect_failure(render(bad), 2, {"--memory-limit", "4G or 512M"});
 }
 
-}  // namespace
+}  // namespace slices_test
 }  // namespace ovoid::cli_tests

@@ -8,7 +8,7 @@
 #include "state_file.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace state_test {
 
 using cli::State;
 using Json = cli::FlagSet::Json;
@@ -248,5 +248,5 @@ TEST(State, IsNotOverwritten) {
   EXPECT_EQ(folder.num_files(), 2U);
 }
 
-}  // namespace
+}  // namespace state_test
 }  // namespace ovoid::cli_tests

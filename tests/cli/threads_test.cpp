@@ -9,7 +9,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace threads_test {
 
 // A user of its own, who may have this many threads: limits do not hold for the superuser, and
 // those of tests that run beside this one would count.
@@ -65,5 +65,5 @@ TEST(Threads, OtherCommandsNeedNone) {
   }
 }
 
-}  // namespace
+}  // namespace threads_test
 }  // namespace ovoid::cli_tests

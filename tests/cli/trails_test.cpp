@@ -7,7 +7,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace trails_test {
 
 // Particles that go along x by 8 from step to step, with or without numbers.
 std::string moving_particles(const Folder& folder, bool has_numbers) {
@@ -185,5 +185,5 @@ TEST(Trails, RefuseWhatTheyAreNotFor) {
                  {"--motion-blur", "one step"});
 }
 
-}  // namespace
+}  // namespace trails_test
 }  // namespace ovoid::cli_tests

@@ -6,7 +6,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace usage_test {
 
 // Every case is `ovoid render BALL -o OUT` and these words.
 struct Case {
@@ -259,5 +259,5 @@ TEST(Usage, OtherCommandsCheckTheirWordsToo) {
   EXPECT_EQ(folder.num_files(), 0U);
 }
 
-}  // namespace
+}  // namespace usage_test
 }  // namespace ovoid::cli_tests

@@ -6,7 +6,7 @@
 #include "program.h"
 
 namespace ovoid::cli_tests {
-namespace {
+namespace view_test {
 
 std::string copied_program(const Folder& folder) {
   const std::string program = folder / "ovoid";
@@ -78,5 +78,5 @@ TEST(View, OtherFirstWordsAreStillErrors) {
   EXPECT_EQ(missing.out, "");
 }
 
-}  // namespace
+}  // namespace view_test
 }  // namespace ovoid::cli_tests

@@ -7,7 +7,7 @@
 #include "ovoid/model.h"
 
 namespace ovoid::experiments {
-namespace {
+namespace adam_baseline_test {
 
 // Fails if either way moves kernels the wrong way, or they do not begin with the same.
 TEST(AdamBaseline, BothWaysComeNearer) {
@@ -26,5 +26,5 @@ TEST(AdamBaseline, BothWaysComeNearer) {
   EXPECT_EQ(found.curves[1].points.back().steps, 64);
 }
 
-}  // namespace
+}  // namespace adam_baseline_test
 }  // namespace ovoid::experiments

@@ -8,7 +8,7 @@
 #include <string_view>
 
 namespace ovoid::experiments {
-namespace {
+namespace between_sheets_test {
 
 double db_of(const std::vector<BetweenSheets>& rows, std::string_view look,
              Classification classification, double sheets) {
@@ -33,5 +33,5 @@ TEST(BetweenSheets, PiecesGain) {
             db_of(rows, "layers", Classification::kSampled, 1.0) + 6);
 }
 
-}  // namespace
+}  // namespace between_sheets_test
 }  // namespace ovoid::experiments

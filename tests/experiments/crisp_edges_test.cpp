@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace ovoid::experiments {
-namespace {
+namespace crisp_edges_test {
 
 // All or nothing between two neighbouring pixels: 10 to 90 % of a straight line between them is 0.8
 // pixels. The box's first and last layers are rounder than the others and end a few pixels further
@@ -27,5 +27,5 @@ TEST(CrispEdges, GrowWithZoomInTheControl) {
   }
 }
 
-}  // namespace
+}  // namespace crisp_edges_test
 }  // namespace ovoid::experiments

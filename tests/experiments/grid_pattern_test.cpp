@@ -8,7 +8,7 @@
 #include <numbers>
 
 namespace ovoid::experiments {
-namespace {
+namespace grid_pattern_test {
 
 using std::numbers::pi;
 
@@ -63,5 +63,5 @@ TEST(GridPattern, OfTheExactGradientStaysWithThePrefilter) {
   EXPECT_NEAR(with, without, 0.05);
 }
 
-}  // namespace
+}  // namespace grid_pattern_test
 }  // namespace ovoid::experiments

@@ -8,7 +8,7 @@
 #include <numbers>
 
 namespace ovoid::experiments {
-namespace {
+namespace kernel_choice_test {
 
 constexpr int kNumPoints = 1000;
 
@@ -52,5 +52,5 @@ TEST(KernelChoice, RippleIsThePlainSumsAlone) {
   EXPECT_LT(measure_kernel(default_choice(), kNumPoints).ripple, 1e-6);  // coefficients are floats
 }
 
-}  // namespace
+}  // namespace kernel_choice_test
 }  // namespace ovoid::experiments

@@ -9,7 +9,7 @@
 #include <string>
 
 namespace ovoid::experiments {
-namespace {
+namespace popping_test {
 
 // A hard look: pictures are edges, and what pops is not hidden in haze.
 constexpr int kParts = 4;
@@ -46,5 +46,5 @@ TEST(Popping, AxisAlignedSlicesDo) {
       0);
 }
 
-}  // namespace
+}  // namespace popping_test
 }  // namespace ovoid::experiments

@@ -19,7 +19,7 @@
 #include "ovoid/renderer.h"
 
 namespace ovoid::test {
-namespace {
+namespace golden_test {
 
 constexpr int kWidth = 120;
 constexpr int kHeight = 96;
@@ -151,5 +151,5 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Golden, ::testing::ValuesIn(scenes()), [](const
   return name;
 });
 
-}  // namespace
+}  // namespace golden_test
 }  // namespace ovoid::test

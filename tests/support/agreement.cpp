@@ -278,7 +278,10 @@ Frame draw(const Scene& scene, Backend backend) {
     static auto* const renderer = new Renderer(backend, 2);
     return renderer->render(scene.field, scene.camera, scene.look, scene.options);
   }
-  return Renderer(backend, 2).render(scene.field, scene.camera, scene.look, scene.options);
+  const char* const target = std::getenv("OVOID_TEST_TARGET");  // a SIMD target; none: the best
+  Renderer renderer(
+      {.backend = backend, .threads = 2, .simd_target = target == nullptr ? "" : target});
+  return renderer.render(scene.field, scene.camera, scene.look, scene.options);
 }
 
 ::testing::AssertionResult agrees_with(const Image& reference, const Scene& scene,

@@ -4,7 +4,7 @@
 #include "screen.h"
 
 namespace ovoid::viewer_tests {
-namespace {
+namespace added_window_test {
 
 class WindowAdded : public OnScreen {
  protected:
@@ -140,5 +140,5 @@ TEST_F(WindowAdded, ArraysThatAreNotThereAreSaid) {
   EXPECT_NE(viewed.text("error").find("speed"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace added_window_test
 }  // namespace ovoid::viewer_tests

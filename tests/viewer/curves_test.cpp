@@ -13,7 +13,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::viewer {
-namespace {
+namespace curves_test {
 
 using cli::Histogram;
 using cli::histogram_of;
@@ -169,5 +169,5 @@ TEST(Histograms, EndWhenTheyAreStopped) {
   }
 }
 
-}  // namespace
+}  // namespace curves_test
 }  // namespace ovoid::viewer

@@ -4,9 +4,10 @@
 #include <thread>
 
 #include "screen.h"
+#include "support/where.h"
 
 namespace ovoid::viewer_tests {
-namespace {
+namespace data_window_test {
 
 class WindowData : public OnScreen {
  protected:
@@ -323,6 +324,7 @@ TEST_F(WindowFiles, WhatCannotBeWrittenIsSaid) {
 
 // On the command line: one clear line, and no window.
 TEST_F(WindowFiles, DamagedAndNewerStatesAreRefusedInOneLine) {
+  OVOID_NOT_UNDER_TSAN();
   const std::map<std::string, std::string> states = {
       {"{\"ovoid_state\": 99, \"program\": \"9.9.9\"}", "99"},
       {"{\"ovoid_state\": 1, \"inputs\": [", "not JSON"},
@@ -341,5 +343,5 @@ TEST_F(WindowFiles, DamagedAndNewerStatesAreRefusedInOneLine) {
   }
 }
 
-}  // namespace
+}  // namespace data_window_test
 }  // namespace ovoid::viewer_tests

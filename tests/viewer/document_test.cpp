@@ -16,7 +16,7 @@
 #include "panels.h"
 
 namespace ovoid::viewer {
-namespace {
+namespace document_test {
 
 using cli_tests::Folder;
 
@@ -414,5 +414,5 @@ TEST(TimeLabels, SayWhichStepItIs) {
   EXPECT_EQ(time_label({0, 50}, "%", 50).format(), "%.6g %% (step 1 of 0 to 1)");
 }
 
-}  // namespace
+}  // namespace document_test
 }  // namespace ovoid::viewer

@@ -3,7 +3,7 @@
 #include "screen.h"
 
 namespace ovoid::viewer_tests {
-namespace {
+namespace fit_window_test {
 
 class WindowFit : public OnScreen {
  protected:
@@ -119,5 +119,5 @@ TEST_F(WindowFit, IsNotSavedOverItsDataOrUnderAnotherEnding) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "fit.h5"));
 }
 
-}  // namespace
+}  // namespace fit_window_test
 }  // namespace ovoid::viewer_tests

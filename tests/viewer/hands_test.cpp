@@ -11,7 +11,7 @@
 #include "projection.h"
 
 namespace ovoid::viewer {
-namespace {
+namespace hands_test {
 
 // Sums of a few dozen products of numbers up to a thousand, in double precision: 1e-16 of them
 // each.
@@ -200,5 +200,5 @@ TEST_P(HandsOfBoth, TogglingTheProjectionKeepsTheSizeAtTheFocalPlane) {
   EXPECT_LT((pixel_in(camera, held) - Vec2(10, 200)).norm(), kRounding * kHeight);
 }
 
-}  // namespace
+}  // namespace hands_test
 }  // namespace ovoid::viewer

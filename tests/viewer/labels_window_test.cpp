@@ -5,7 +5,7 @@
 #include "screen.h"
 
 namespace ovoid::viewer_tests {
-namespace {
+namespace labels_window_test {
 
 class WindowLabels : public OnScreen {
  protected:
@@ -197,5 +197,5 @@ TEST_F(WindowLabels, ModesWithoutDepthShowNone) {
   expect_same(viewed, "window.png", "s.json");
 }
 
-}  // namespace
+}  // namespace labels_window_test
 }  // namespace ovoid::viewer_tests

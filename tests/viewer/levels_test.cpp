@@ -7,7 +7,7 @@
 #include <algorithm>
 
 namespace ovoid::viewer {
-namespace {
+namespace levels_test {
 
 // All costs here are small whole numbers or their halves, so that sums are exact.
 LevelChooser chooser_of(int coarsest_field) {
@@ -123,5 +123,5 @@ TEST(Levels, RefinementEndsInTheFullLevelByStepsWorthShowing) {
   EXPECT_GE(chooser.refinement({4, 2}).size(), 2U);
 }
 
-}  // namespace
+}  // namespace levels_test
 }  // namespace ovoid::viewer

@@ -8,7 +8,7 @@
 #include "screen.h"
 
 namespace ovoid::viewer_tests {
-namespace {
+namespace life_window_test {
 
 class WindowLife : public OnScreen {};
 
@@ -141,5 +141,5 @@ TEST_F(WindowLife, MemoryStaysFlatOverTenThousandFrames) {
   expect_flat_memory(view({make_head(), "--size", "320x240"}, orbit_script(100)));
 }
 
-}  // namespace
+}  // namespace life_window_test
 }  // namespace ovoid::viewer_tests

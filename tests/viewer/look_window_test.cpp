@@ -4,7 +4,7 @@
 #include "screen.h"
 
 namespace ovoid::viewer_tests {
-namespace {
+namespace look_window_test {
 
 class WindowHands : public OnScreen {};
 
@@ -361,5 +361,5 @@ TEST_F(WindowHands, LooksOfTwoDimensionsAreLeftAndComeBack) {
   EXPECT_TRUE(file("both.png") == file("again.png"));
 }
 
-}  // namespace
+}  // namespace look_window_test
 }  // namespace ovoid::viewer_tests

@@ -13,7 +13,7 @@
 #include "cli/program.h"
 
 namespace ovoid::viewer {
-namespace {
+namespace memory_test {
 
 // A disk that does not answer until it is told to; then nothing on it is there.
 class DeadDisk {
@@ -102,5 +102,5 @@ TEST(Memory, EndsWithoutAnAnswer) {
   disk->answer();
 }
 
-}  // namespace
+}  // namespace memory_test
 }  // namespace ovoid::viewer

@@ -4,7 +4,7 @@
 #include "screen.h"
 
 namespace ovoid::viewer_tests {
-namespace {
+namespace pictures_window_test {
 
 // How the data come to look before the picture is saved.
 struct Situation {
@@ -180,5 +180,5 @@ const Situation kSituations[] = {
 INSTANTIATE_TEST_SUITE_P(Window, WindowPictures, ::testing::ValuesIn(kSituations),
                          [](const auto& chosen) { return std::string(chosen.param.name); });
 
-}  // namespace
+}  // namespace pictures_window_test
 }  // namespace ovoid::viewer_tests

@@ -13,7 +13,7 @@
 #include "support/volumes.h"
 
 namespace ovoid::viewer {
-namespace {
+namespace regions_test {
 
 const PlaneAxes kCtAxes{-1000, 1500, 50000};
 // 2500 by 500 units: a value per unit, 100 of the gradient.
@@ -371,5 +371,5 @@ TEST(RoundNumbers, AreRoundAndBetween) {
     EXPECT_LE(round_numbers(0, span, 4).size(), 5U) << span;
 }
 
-}  // namespace
+}  // namespace regions_test
 }  // namespace ovoid::viewer

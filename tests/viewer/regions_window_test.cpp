@@ -3,7 +3,7 @@
 #include "screen.h"
 
 namespace ovoid::viewer_tests {
-namespace {
+namespace regions_window_test {
 
 class WindowRegions : public OnScreen {
  protected:
@@ -221,5 +221,5 @@ TEST_F(WindowRegions, AreNotForTwoArrays) {
            "click tab.look\nclick look.enter-2d\nwait idle\nexpect view.regions == 1\n");
 }
 
-}  // namespace
+}  // namespace regions_window_test
 }  // namespace ovoid::viewer_tests

@@ -7,7 +7,7 @@
 #include "screen.h"
 
 namespace ovoid::viewer_tests {
-namespace {
+namespace scene_window_test {
 
 class WindowScene : public OnScreen {
  protected:
@@ -268,5 +268,5 @@ TEST_F(WindowScene, StaysOverStepsInTime) {
   expect_same(viewed, "window.png", "s.json");
 }
 
-}  // namespace
+}  // namespace scene_window_test
 }  // namespace ovoid::viewer_tests

@@ -13,7 +13,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::viewer {
-namespace {
+namespace script_test {
 
 using cli_tests::Folder;
 
@@ -256,5 +256,5 @@ TEST(Scripts, ARecordingParsesAndSaysTheSameAgain) {
   EXPECT_EQ(complaint_of_script(folder / "first.txt"), "");
 }
 
-}  // namespace
+}  // namespace script_test
 }  // namespace ovoid::viewer

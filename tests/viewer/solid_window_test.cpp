@@ -3,7 +3,7 @@
 #include "screen.h"
 
 namespace ovoid::viewer_tests {
-namespace {
+namespace solid_window_test {
 
 class WindowSolid : public OnScreen {
  protected:
@@ -132,5 +132,5 @@ TEST_F(WindowSolid, IsForHexahedraAlone) {
       << viewed.outcome.err;
 }
 
-}  // namespace
+}  // namespace solid_window_test
 }  // namespace ovoid::viewer_tests

@@ -9,7 +9,7 @@
 #include <cmath>
 
 namespace ovoid::viewer {
-namespace {
+namespace theme_test {
 
 constexpr double kLetters = 4.5;
 constexpr double kShapes = 3;
@@ -99,5 +99,5 @@ INSTANTIATE_TEST_SUITE_P(Both, Themes, ::testing::Values(Theme::kDark, Theme::kL
                            return std::string(cli::name_in(theme_names(), parameter.param));
                          });
 
-}  // namespace
+}  // namespace theme_test
 }  // namespace ovoid::viewer

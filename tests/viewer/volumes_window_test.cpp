@@ -5,7 +5,7 @@
 #include "screen.h"
 
 namespace ovoid::viewer_tests {
-namespace {
+namespace volumes_window_test {
 
 class WindowVolumes : public OnScreen {
  protected:
@@ -241,5 +241,5 @@ TEST_F(WindowVolumes, RedGreenAndBlueAreColours) {
   expect_same(maximum, "window.png", "s.json");
 }
 
-}  // namespace
+}  // namespace volumes_window_test
 }  // namespace ovoid::viewer_tests

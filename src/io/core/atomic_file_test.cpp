@@ -19,7 +19,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace atomic_file_test {
 
 std::string message_of(const std::string& path) {
   try {
@@ -250,5 +250,5 @@ TEST(AtomicFile, ErrorsNamePathAndReason) {
   EXPECT_EQ(message_of("/dev/full"), "/dev/full: cannot be written: No space left on device");
 }
 
-}  // namespace
+}  // namespace atomic_file_test
 }  // namespace ovoid::io

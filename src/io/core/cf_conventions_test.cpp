@@ -12,7 +12,7 @@
 #include "io/images/test_volumes.h"
 
 namespace ovoid::io {
-namespace {
+namespace cf_conventions_test {
 
 TEST(MissingNumbers, BecomeNaNAndIntegersFloats) {
   std::vector<std::string> notes;
@@ -56,5 +56,5 @@ TEST(EvenPlaces, AreEvenToAThousandth) {
   EXPECT_FALSE(even_places(std::vector<double>{1, 2, std::nan("")}).has_value());
 }
 
-}  // namespace
+}  // namespace cf_conventions_test
 }  // namespace ovoid::io

@@ -15,7 +15,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace line_ends_test {
 
 // Every '\n' of the text as `ends` have it, in turn.
 std::string with_ends(const std::string& text, const std::vector<std::string>& ends) {
@@ -141,5 +141,5 @@ TEST(LineEnds, LooksOfNumbers) {
   }
 }
 
-}  // namespace
+}  // namespace line_ends_test
 }  // namespace ovoid::io

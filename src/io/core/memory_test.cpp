@@ -12,7 +12,7 @@
 #include "io/read_source.h"
 
 namespace ovoid::io {
-namespace {
+namespace memory_test {
 
 // The process may take `bytes` more while it lives.
 class MemoryLimit {
@@ -63,5 +63,5 @@ TEST(Memory, PackedFilesAreHeldAgainstItBeforeTheyAreUnpacked) {
   EXPECT_EQ(furthest, 0);
 }
 
-}  // namespace
+}  // namespace memory_test
 }  // namespace ovoid::io

@@ -10,7 +10,7 @@
 #include "io/images/test_volumes.h"
 
 namespace ovoid::io {
-namespace {
+namespace plain_values_test {
 
 template <typename T>
 DataArray scaled(ScalarType type, const std::vector<T>& values, double scale, double offset) {
@@ -80,5 +80,5 @@ TEST(PlainValues, KeepsWhatTheArrayIs) {
   EXPECT_EQ(values_of<std::uint8_t>(plain), (std::vector<std::uint8_t>{2, 4, 6, 8, 10, 12}));
 }
 
-}  // namespace
+}  // namespace plain_values_test
 }  // namespace ovoid::io

@@ -19,7 +19,7 @@
 #include "ovoid/model.h"
 
 namespace ovoid::io {
-namespace {
+namespace unpacked_samples_test {
 
 using testing::HasSubstr;
 
@@ -232,5 +232,5 @@ TEST(UnpackedSamples, LeaveNothingBehind) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.file("tmp")));
 }
 
-}  // namespace
+}  // namespace unpacked_samples_test
 }  // namespace ovoid::io

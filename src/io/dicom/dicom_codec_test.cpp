@@ -12,9 +12,10 @@
 #include "io/foreign/gdcm_codec.h"
 #include "io/images/test_volumes.h"
 #include "io/read_source.h"
+#include "support/where.h"
 
 namespace ovoid::io {
-namespace {
+namespace dicom_codec_test {
 
 using testing::HasSubstr;
 
@@ -62,6 +63,7 @@ TEST(DicomCodec, RleFramesComeOutAsTheyWentIn) {
 }
 
 TEST(DicomCodec, DamagedRleIsNamed) {
+  OVOID_NOT_UNDER_TSAN();
   const std::string frame = rle_frame(pixels_of(17 * 23, 4095));
   const auto error = [](const std::string& stream) {
     return error_of([&] { read_slice_of(compressed_slice(kRleUid, {stream})); });
@@ -167,6 +169,7 @@ TEST(DicomCodec, BaselineAndExtendedJpeg) {
 // what it says of itself is checked first. Nothing at all is never a picture. What is printed can
 // be held to nothing for JPEG-LS alone: libjpeg and OpenJPEG warn whatever GDCM is told.
 TEST(DicomCodec, DamagedStreamsAreErrorsOrSamples) {
+  OVOID_NOT_UNDER_TSAN();
   const std::string samples = pixels_of(17 * 23, 4095);
   for (const auto& [uid, frame] :
        {std::pair(kJpegUid, jpeg_lossless(samples)), std::pair(kJpegLsUid, jpeg_ls(samples)),
@@ -190,5 +193,5 @@ TEST(DicomCodec, DamagedStreamsAreErrorsOrSamples) {
 
 #endif
 
-}  // namespace
+}  // namespace dicom_codec_test
 }  // namespace ovoid::io

@@ -18,7 +18,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace dicom_test {
 
 using testing::Contains;
 using testing::ElementsAre;
@@ -548,5 +548,5 @@ TEST(Dicom, MissingGeometryIsNoted) {
   EXPECT_THAT(dataset.notes, Contains(HasSubstr("MONOCHROME1")));
 }
 
-}  // namespace
+}  // namespace dicom_test
 }  // namespace ovoid::io

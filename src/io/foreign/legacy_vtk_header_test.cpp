@@ -7,7 +7,7 @@
 #include "io/images/test_volumes.h"
 
 namespace ovoid::io {
-namespace {
+namespace legacy_vtk_header_test {
 
 std::string vtk_error(const std::string& content) {
   return error_of(
@@ -168,5 +168,5 @@ TEST(LegacyVtkHeader, RefusesWhatVtkReadsOtherwise) {
             "file-format: a.vtk: DIMENSIONS: stand twice");
 }
 
-}  // namespace
+}  // namespace legacy_vtk_header_test
 }  // namespace ovoid::io

@@ -12,7 +12,7 @@
 #include "io/images/test_volumes.h"
 
 namespace ovoid::io {
-namespace {
+namespace vtk_xml_header_test {
 
 std::string vti_error(const std::string& content) {
   return error_of([&] { check_vtk_xml(*open_memory("a.vti", std::as_bytes(std::span(content)))); });
@@ -249,5 +249,5 @@ TEST(XmlTags, FindsTagsAcrossTheWindow) {
   EXPECT_FALSE(reader.next().has_value());
 }
 
-}  // namespace
+}  // namespace vtk_xml_header_test
 }  // namespace ovoid::io

@@ -21,6 +21,7 @@
 #include "io/hdf5/stored_boxes.h"
 #include "io/hdf5/test_lattice_files.h"
 #include "io/reader/reader_session.h"
+#include "support/where.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // The library loses what it took for a file that it then could not open; of all tests here.
@@ -30,7 +31,7 @@ extern "C" const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reser
 #endif
 
 namespace ovoid::io {
-namespace {
+namespace hdf5_lattice_damage_test {
 
 using testing::HasSubstr;
 
@@ -346,6 +347,7 @@ TEST_F(BadLatticeFile, CutShort) {
 // As in Hdf5Points.DamagedFiles: something consistent, or an Error. What describes things has
 // checksums, so that what is left to read is damaged in its samples, or where nothing is.
 TEST_F(BadLatticeFile, Damaged) {
+  OVOID_NOT_UNDER_TSAN();
   ReadOptions options;
   options.session = std::make_shared<ReaderSession>(std::vector{path_});
   std::mt19937_64 random(20240229);
@@ -365,6 +367,6 @@ TEST_F(BadLatticeFile, Damaged) {
   EXPECT_GT(num_read, 200);
 }
 
-}  // namespace
+}  // namespace hdf5_lattice_damage_test
 }  // namespace ovoid::io
 #endif

@@ -22,7 +22,7 @@
 
 #ifdef OVOID_IO_HDF5
 namespace ovoid::io {
-namespace {
+namespace hdf5_lattice_test {
 
 using testing::Each;
 using testing::ElementsAre;
@@ -586,6 +586,6 @@ TEST(LatticeFile, BoxesAreReadAsTheirSamples) {
       << back.notes.back();
 }
 
-}  // namespace
+}  // namespace hdf5_lattice_test
 }  // namespace ovoid::io
 #endif

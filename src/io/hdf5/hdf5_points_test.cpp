@@ -28,9 +28,10 @@
 #include "io/formats.h"
 #include "io/points/test_shares.h"
 #include "io/reader/reader_session.h"
+#include "support/where.h"
 
 namespace ovoid::io {
-namespace {
+namespace hdf5_points_test {
 
 using Floats = std::vector<float>;
 
@@ -532,6 +533,7 @@ TEST_F(Hdf5Elsewhere, EnvironmentIsOutOfReach) {
 // The library reads what the file says, in a process of its own; whatever that is, we return
 // something consistent or throw.
 TEST(Hdf5Points, DamagedFiles) {
+  OVOID_NOT_UNDER_TSAN();
   const TestFolder folder;
   const std::string path = folder.file("a.h5");
   Hdf5Maker(path)
@@ -562,6 +564,6 @@ TEST(Hdf5Points, DamagedFiles) {
   EXPECT_GT(num_read, 300) << "most damage hits nothing that matters";
 }
 
-}  // namespace
+}  // namespace hdf5_points_test
 }  // namespace ovoid::io
 #endif

@@ -12,7 +12,7 @@
 #include "io/read_source.h"
 
 namespace ovoid::io {
-namespace {
+namespace metaimage_test {
 
 using fuzz::deflated;
 
@@ -202,5 +202,5 @@ TEST(MetaImage, FilesReadForListsTheData) {
             (std::vector<std::string>{folder.file("a.mhd"), folder.file("1"), folder.file("2")}));
 }
 
-}  // namespace
+}  // namespace metaimage_test
 }  // namespace ovoid::io

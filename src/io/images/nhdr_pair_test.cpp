@@ -61,7 +61,7 @@ int unlink(const char* path) noexcept {
 }
 
 namespace ovoid::io {
-namespace {
+namespace nhdr_pair_test {
 
 using nhdr_pair::Fate, nhdr_pair::fate, nhdr_pair::calls_left, nhdr_pair::has_come;
 
@@ -177,5 +177,5 @@ TEST(NhdrPair, SamplesThatAreALinkAreRefused) {
   EXPECT_EQ(value_in(path), 3);
 }
 
-}  // namespace
+}  // namespace nhdr_pair_test
 }  // namespace ovoid::io

@@ -13,7 +13,7 @@
 #include "io/read_source.h"
 
 namespace ovoid::io {
-namespace {
+namespace nifti_test {
 
 using fuzz::gzip;
 using fuzz::nifti1;
@@ -383,5 +383,5 @@ TEST(Nifti, FilesReadForAPair) {
             (std::vector<char>{'x', 'y'}));
 }
 
-}  // namespace
+}  // namespace nifti_test
 }  // namespace ovoid::io

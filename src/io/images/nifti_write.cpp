@@ -172,7 +172,7 @@ std::array<double, 8> steps_of(const Placement& placement) {
 
 constexpr int kVectorIntent = 1007;
 constexpr int kMillimetres = 2;
-constexpr std::string_view kDescription = "written by Ovoid";
+constexpr std::string_view kWrittenBy = "written by Ovoid";
 
 std::string_view intent_name(const DataArray& array) {
   return array.name == "values" ? std::string_view() : std::string_view(array.name);
@@ -204,7 +204,7 @@ std::vector<std::byte> header_1(const Dataset& dataset, const DataArray& array,
   header.put(112, static_cast<float>(array.value_scale));
   header.put(116, static_cast<float>(array.value_offset));
   header.put(123, static_cast<char>(dataset.space == Space::kNone ? 0 : kMillimetres));
-  header.put_text(148, 80, kDescription);
+  header.put_text(148, 80, kWrittenBy);
   header.put(252, static_cast<std::int16_t>(placement.has_qform ? placement.code : 0));
   header.put(254, static_cast<std::int16_t>(placement.code));
   put_placement<float>(header, placement, 256, 280);
@@ -225,7 +225,7 @@ std::vector<std::byte> header_2(const Dataset& dataset, const DataArray& array,
   header.put(168, static_cast<std::int64_t>(kNifti2Size + kNiftiExtenderSize));
   header.put(176, array.value_scale);
   header.put(184, array.value_offset);
-  header.put_text(240, 80, kDescription);
+  header.put_text(240, 80, kWrittenBy);
   header.put(344, static_cast<std::int32_t>(placement.has_qform ? placement.code : 0));
   header.put(348, static_cast<std::int32_t>(placement.code));
   put_placement<double>(header, placement, 352, 400);

@@ -10,7 +10,7 @@
 #include "io/images/test_volumes.h"
 
 namespace ovoid::io {
-namespace {
+namespace npy_test {
 
 std::string npy(const std::string& dict, const std::string& samples, int version = 1) {
   std::string result = "\x93NUMPY";
@@ -213,5 +213,5 @@ TEST(Npy, RoundTrip) {
   EXPECT_EQ(dataset.array().num_components, 2);
 }
 
-}  // namespace
+}  // namespace npy_test
 }  // namespace ovoid::io

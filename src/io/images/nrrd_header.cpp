@@ -19,7 +19,7 @@ namespace {
 constexpr int kMaxDimension = 16;  // NRRD_DIM_MAX
 
 // One "field: value" line and where it stands, for messages.
-struct Field : HeaderField {
+struct NrrdField : HeaderField {
   template <typename T>
   T number(std::string_view text, const char* expected) const {
     const auto result = parse_number<T>(text);
@@ -37,7 +37,7 @@ struct Field : HeaderField {
 };
 
 struct HeaderText {
-  std::map<std::string, Field> fields;      // by canonical name
+  std::map<std::string, NrrdField> fields;  // by canonical name
   std::vector<std::string> list;            // lines after "data file: LIST"
   std::optional<std::int64_t> data_offset;  // after the blank line, if there is one
   std::vector<std::string> notes;
@@ -86,8 +86,8 @@ HeaderText read_text(const ByteSource& source) {
     }
     if (line.compare(colon, 2, ":=") == 0)
       continue;  // a key and its value: free for other programs
-    Field field{{&source, reader.number(), canonical_name(line.substr(0, colon)),
-                 std::string(trimmed(std::string_view(line).substr(colon + 1)))}};
+    NrrdField field{{&source, reader.number(), canonical_name(line.substr(0, colon)),
+                     std::string(trimmed(std::string_view(line).substr(colon + 1)))}};
     is_list = field.name == "data file" && words(field.value).size() <= 2 &&
               field.value.starts_with("LIST");
     const auto [existing, is_new] = result.fields.emplace(field.name, field);
@@ -96,7 +96,7 @@ HeaderText read_text(const ByteSource& source) {
   return result;
 }
 
-ScalarType parse_type(const Field& field) {
+ScalarType parse_type(const NrrdField& field) {
   static const std::map<std::string, ScalarType, std::less<>> kTypes{
       {"signed char", ScalarType::kInt8},
       {"int8", ScalarType::kInt8},
@@ -147,7 +147,7 @@ ScalarType parse_type(const Field& field) {
       field.quoted()));
 }
 
-Encoding parse_encoding(const Field& field) {
+Encoding parse_encoding(const NrrdField& field) {
   static const std::map<std::string, Encoding, std::less<>> kEncodings{
       {"raw", Encoding::kRaw},    {"txt", Encoding::kText},  {"text", Encoding::kText},
       {"ascii", Encoding::kText}, {"hex", Encoding::kHex},   {"gz", Encoding::kGzip},
@@ -161,7 +161,7 @@ Encoding parse_encoding(const Field& field) {
 }
 
 // "left-posterior-superior" and "LPS" are one space; sets name and dimension.
-void parse_space(const Field& field, NrrdHeader& header) {
+void parse_space(const NrrdField& field, NrrdHeader& header) {
   static const std::map<std::string, std::pair<const char*, int>, std::less<>> kSpaces{
       {"ras", {"right-anterior-superior", 3}},      {"las", {"left-anterior-superior", 3}},
       {"lps", {"left-posterior-superior", 3}},      {"rast", {"right-anterior-superior-time", 4}},
@@ -195,7 +195,8 @@ void parse_space(const Field& field, NrrdHeader& header) {
 
 // Vectors "(x,y,z)" and, where allowed, "none". Components beyond the space's are not accepted,
 // missing ones (a plane) are 0.
-std::vector<std::optional<std::array<double, 3>>> parse_vectors(const Field& field, int dimension) {
+std::vector<std::optional<std::array<double, 3>>> parse_vectors(const NrrdField& field,
+                                                                int dimension) {
   std::vector<std::optional<std::array<double, 3>>> result;
   std::string_view rest = trimmed(field.value);
   while (!rest.empty()) {
@@ -229,7 +230,7 @@ std::vector<std::optional<std::array<double, 3>>> parse_vectors(const Field& fie
   return result;
 }
 
-int parse_subdimension(const Field& field, std::string_view word, std::size_t dimension) {
+int parse_subdimension(const NrrdField& field, std::string_view word, std::size_t dimension) {
   const int result = field.number<int>(word, "a number of axes");
   if (result < 1 || result > static_cast<int>(dimension)) {
     field.fail(fmt::format("{} axes in one file: expected 1 to {}", result, dimension));
@@ -237,7 +238,7 @@ int parse_subdimension(const Field& field, std::string_view word, std::size_t di
   return result;
 }
 
-DataFiles parse_data_files(const Field& field, const HeaderText& text, std::size_t dimension) {
+DataFiles parse_data_files(const NrrdField& field, const HeaderText& text, std::size_t dimension) {
   DataFiles files;
   const auto parts = words(field.value);
   if (parts.empty()) field.fail("is empty: expected a file name");
@@ -309,13 +310,13 @@ class Interpreter {
   }
 
  private:
-  std::optional<Field> take(const char* name) {
+  std::optional<NrrdField> take(const char* name) {
     auto node = text_.fields.extract(name);
     if (node.empty()) return std::nullopt;
     return std::move(node.mapped());
   }
 
-  Field required(const char* name) {
+  NrrdField required(const char* name) {
     auto field = take(name);
     if (!field)
       throw Error(ErrorCode::kFileFormat,
@@ -324,12 +325,12 @@ class Interpreter {
   }
 
   std::size_t read_axes() {
-    const Field dimension_field = required("dimension");
+    const NrrdField dimension_field = required("dimension");
     const int dimension = dimension_field.number<int>(dimension_field.value, "a number of axes");
     if (dimension < 1 || dimension > kMaxDimension) {
       dimension_field.fail(fmt::format("{}: expected 1 to {}", dimension, kMaxDimension));
     }
-    const Field sizes = required("sizes");
+    const NrrdField sizes = required("sizes");
     for (const auto word : sizes.per_axis(static_cast<std::size_t>(dimension))) {
       NrrdAxis axis;
       axis.size = sizes.number<std::int64_t>(word, "a number of samples");
@@ -340,7 +341,7 @@ class Interpreter {
     return header_.axes.size();
   }
 
-  void read_endian(const Field& field) {
+  void read_endian(const NrrdField& field) {
     const std::string value = lower(field.value);
     if (value != "little" && value != "big")
       field.fail(fmt::format("{}: expected little or big", field.quoted()));

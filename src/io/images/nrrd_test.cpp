@@ -11,7 +11,7 @@
 #include "io/images/test_volumes.h"
 
 namespace ovoid::io {
-namespace {
+namespace nrrd_test {
 
 using fuzz::bzip2;
 using fuzz::gzip;
@@ -403,5 +403,5 @@ TEST(Nrrd, RoundTripKeepsGeometrySpaceNameAndUnit) {
   }
 }
 
-}  // namespace
+}  // namespace nrrd_test
 }  // namespace ovoid::io

@@ -10,7 +10,7 @@
 #include "io/images/test_volumes.h"
 
 namespace ovoid::io {
-namespace {
+namespace raw_test {
 
 Dataset read(const std::string& name, const std::string& content, const ReadOptions& options = {}) {
   return read_raw(*open_memory(name, std::as_bytes(std::span(content))), options);
@@ -116,5 +116,5 @@ TEST(Raw, ReadsGzipByItsName) {
   EXPECT_EQ(values_of<char>(read("a_2x1x1_uint8.raw", "\x1f\x8b").array()).size(), 2U);
 }
 
-}  // namespace
+}  // namespace raw_test
 }  // namespace ovoid::io

@@ -11,7 +11,7 @@
 #include "io/read_source.h"
 
 namespace ovoid::io {
-namespace {
+namespace slc_test {
 
 using Bytes8 = std::vector<std::uint8_t>;
 
@@ -74,5 +74,5 @@ TEST(Slc, ErrorsNameTheField) {
             "file-format: a.slc: the name ends in .slc but the content does not begin like it");
 }
 
-}  // namespace
+}  // namespace slc_test
 }  // namespace ovoid::io

@@ -19,7 +19,7 @@
 #include "io/pictures/pictures.h"
 
 namespace ovoid::io {
-namespace {
+namespace slices_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -207,5 +207,5 @@ TEST(Slices, DicomGoesBeforePictures) {
   EXPECT_EQ(read_dataset({folder.file("")}).format, "DICOM");
 }
 
-}  // namespace
+}  // namespace slices_test
 }  // namespace ovoid::io

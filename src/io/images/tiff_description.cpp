@@ -54,7 +54,7 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
 }
 
 // A value of an XML attribute with its entities put in: the five of XML, and numbers.
-std::string without_entities(std::string text) {
+std::string with_entities_read(std::string text) {
   for (const auto& [entity, character] : {std::pair{"&lt;", "<"},
                                           {"&gt;", ">"},
                                           {"&quot;", "\""},
@@ -123,7 +123,7 @@ class OmeReader {
   void add(const XmlTag& tag) {
     const std::string name = local_name(tag.name);
     if (name == "Image") {
-      image_name_ = without_entities(tag.attribute("Name"));
+      image_name_ = with_entities_read(tag.attribute("Name"));
     } else if (name == "Pixels") {
       add_pixels(tag);
     } else if (images_.empty() || !is_inside_) {
@@ -133,7 +133,7 @@ class OmeReader {
     } else if (name == "Channel") {
       OmePixels& image = images_.back();
       if (image.stack.channels.size() < kMostChannels) {
-        image.stack.channels.push_back({without_entities(tag.attribute("Name")),
+        image.stack.channels.push_back({with_entities_read(tag.attribute("Name")),
                                         {color_in(tag.attribute("Color")), std::nullopt}});
       }
       if (const auto samples = count_in(tag.attribute("SamplesPerPixel")); samples.value_or(0) > 0)
@@ -171,7 +171,7 @@ class OmeReader {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::string key = std::string("PhysicalSize") + axes[axis];
       stack.spacing[axis] = length_in(tag.attribute(key));
-      units[axis] = plain_unit(without_entities(tag.attribute(key + "Unit", "um")));
+      units[axis] = plain_unit(with_entities_read(tag.attribute(key + "Unit", "um")));
     }
     // Lengths in the unit of the first.
     stack.length_unit = stack.spacing[0] ? units[0] : std::string();
@@ -183,7 +183,7 @@ class OmeReader {
     }
     if (const auto step = length_in(tag.attribute("TimeIncrement"))) {
       stack.frame_interval = step;
-      stack.time_unit = without_entities(tag.attribute("TimeIncrementUnit", "s"));
+      stack.time_unit = with_entities_read(tag.attribute("TimeIncrementUnit", "s"));
     }
   }
 

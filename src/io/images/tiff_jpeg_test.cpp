@@ -16,7 +16,7 @@
 #include "io/images/tiff.h"
 
 namespace ovoid::io {
-namespace {
+namespace tiff_jpeg_test {
 
 using testing::HasSubstr;
 
@@ -238,5 +238,5 @@ TEST(TiffJpeg, DamageIsTold) {
     EXPECT_NE(jpeg_tiff_error(whole.substr(0, size)), "") << size;
 }
 
-}  // namespace
+}  // namespace tiff_jpeg_test
 }  // namespace ovoid::io

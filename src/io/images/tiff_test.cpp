@@ -16,7 +16,7 @@
 #include "io/images/tiff_description.h"
 
 namespace ovoid::io {
-namespace {
+namespace tiff_test {
 
 using testing::AnyOf;
 using testing::ElementsAre;
@@ -447,5 +447,5 @@ TEST(Tiff, LargeStacksStayInTheirFile) {
   EXPECT_NE(read_dataset({folder.file("a.tif")}, options).array().stored, nullptr);
 }
 
-}  // namespace
+}  // namespace tiff_test
 }  // namespace ovoid::io

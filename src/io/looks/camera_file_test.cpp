@@ -8,7 +8,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace camera_file_test {
 
 void expect_equal(const Camera& a, const Camera& b) {
   EXPECT_EQ(a.position, b.position);
@@ -91,5 +91,5 @@ TEST(CameraFile, AnInvalidCameraIsNotWritten) {
   EXPECT_EQ(folder.count(), 0);
 }
 
-}  // namespace
+}  // namespace camera_file_test
 }  // namespace ovoid::io

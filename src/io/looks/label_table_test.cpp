@@ -7,7 +7,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid {
-namespace {
+namespace label_table_test {
 
 class LabelTable : public testing::Test {
  protected:
@@ -133,5 +133,5 @@ TEST_F(LabelTable, WhatIsWrongIsNamed) {
   EXPECT_THROW(read_label_table(folder_.file("none.txt")), Error);
 }
 
-}  // namespace
+}  // namespace label_table_test
 }  // namespace ovoid

@@ -10,7 +10,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid {
-namespace {
+namespace look_2d_test {
 
 std::string written_2d(const std::string& name, const std::string& content) {
   const std::string path = (std::filesystem::path(testing::TempDir()) / name).string();
@@ -144,5 +144,5 @@ TEST(Look2DFile, RefusesWhatIsNone) {
                  "ranges are for pictures");
 }
 
-}  // namespace
+}  // namespace look_2d_test
 }  // namespace ovoid

@@ -18,7 +18,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace look_and_camera_text_test {
 
 std::string content(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -214,5 +214,5 @@ TEST(LookAndCameraText, ErrorsNameTheSource) {
   EXPECT_THROW(to_text(look), Error);
 }
 
-}  // namespace
+}  // namespace look_and_camera_text_test
 }  // namespace ovoid::io

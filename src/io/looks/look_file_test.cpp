@@ -11,7 +11,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace look_file_test {
 
 constexpr const char* kVp =
     "1\n1\n0.9\n0.1\n0.2\n10\n"
@@ -272,5 +272,5 @@ TEST(LookFile, LargeFilesEnd) {
   EXPECT_THROW(read_look(folder.write("list.txt", list)), Error);
 }
 
-}  // namespace
+}  // namespace look_file_test
 }  // namespace ovoid::io

@@ -10,7 +10,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace transfer_function_test {
 
 constexpr const char* kPresets = R"([
   {"Name": "Rainbow", "ColorSpace": "HSV", "Creator": "somebody", "NanColor": [0.5, 0, 0],
@@ -352,5 +352,5 @@ TEST(TransferFunctionFile, TheDocumentedExampleAndNamesHold) {
   }
 }
 
-}  // namespace
+}  // namespace transfer_function_test
 }  // namespace ovoid::io

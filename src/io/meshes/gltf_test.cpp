@@ -16,7 +16,7 @@
 #include "ovoid/dataset.h"
 
 namespace ovoid::io {
-namespace {
+namespace gltf_test {
 
 using testing::HasSubstr;
 
@@ -122,5 +122,5 @@ TEST(Gltf, FilesOfNumbersBelongToIt) {
   EXPECT_THAT(gltf_companions(*open_file(path)), testing::ElementsAre(part));
 }
 
-}  // namespace
+}  // namespace gltf_test
 }  // namespace ovoid::io

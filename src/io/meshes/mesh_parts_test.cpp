@@ -10,7 +10,7 @@
 #include "io/images/test_volumes.h"
 
 namespace ovoid::io {
-namespace {
+namespace mesh_parts_test {
 
 DataArray places(const std::vector<float>& values) {
   return make_array("positions", ScalarType::kFloat32, values, 3);
@@ -225,5 +225,5 @@ TEST(MeshParts, VerticesAndSurfacesAreParticles) {
             "read");
 }
 
-}  // namespace
+}  // namespace mesh_parts_test
 }  // namespace ovoid::io

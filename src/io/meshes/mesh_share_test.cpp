@@ -14,7 +14,7 @@
 #include "io/meshes/mesh_blocks.h"
 
 namespace ovoid::io {
-namespace {
+namespace mesh_share_test {
 
 constexpr std::uint32_t kNodes = 24;
 
@@ -234,5 +234,5 @@ TEST(MeshShare, PartsThatAreNotAsOutlined) {
   EXPECT_EQ(refusal(), "file-format: a.pvtu: array 'w': is not what its header says");
 }
 
-}  // namespace
+}  // namespace mesh_share_test
 }  // namespace ovoid::io

@@ -13,7 +13,7 @@
 #include "io/images/test_volumes.h"
 
 namespace ovoid::io {
-namespace {
+namespace plot3d_test {
 
 // A grid of 3 x 2 x 2 nodes at (i, j, k) and a flow on it, in any layout.
 struct Files {
@@ -203,5 +203,5 @@ TEST(Plot3d, TheBluntFinIsAsItsReadmeSays) {
   EXPECT_NEAR(*std::max_element(density.begin(), density.end()), 4.9775, 1e-6);
 }
 
-}  // namespace
+}  // namespace plot3d_test
 }  // namespace ovoid::io

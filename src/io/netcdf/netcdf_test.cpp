@@ -17,7 +17,7 @@
 #include "ovoid/series.h"
 
 namespace ovoid::io {
-namespace {
+namespace netcdf_test {
 
 Dataset read_nc(const TestNc& nc, const ReadOptions& options = {}) {
   const std::string bytes = nc.bytes();
@@ -245,5 +245,5 @@ TEST(Netcdf, ExodusIsAnotherFormat) {
   EXPECT_TRUE(is_exodus_header(read_netcdf_header(*source)));
 }
 
-}  // namespace
+}  // namespace netcdf_test
 }  // namespace ovoid::io

@@ -10,7 +10,7 @@
 #include "ovoid/space_part.h"
 
 namespace ovoid::io {
-namespace {
+namespace deep_exr_test {
 
 // 3 x 2 pixels: one with two runs, one with one, four with none.
 PicturePart small_part() {
@@ -78,5 +78,5 @@ TEST(PictureParts, MayNotEndEarly) {
   }
 }
 
-}  // namespace
+}  // namespace deep_exr_test
 }  // namespace ovoid::io

@@ -19,9 +19,10 @@
 #include "io/pictures/pictures.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
+#include "support/where.h"
 
 namespace ovoid::io {
-namespace {
+namespace gif_test {
 
 struct GifFrame {
   std::vector<std::uint8_t> rgba;
@@ -87,6 +88,7 @@ std::vector<std::uint8_t> pixels_of(int width, int height, const PixelAt& pixel_
 }
 
 TEST(Gif, FewColorsAreTheirOwn) {
+  OVOID_NOT_UNDER_TSAN();
   const TestFolder folder;
   std::vector<std::string> names;
   std::vector<std::vector<std::uint8_t>> pictures;
@@ -112,6 +114,7 @@ TEST(Gif, FewColorsAreTheirOwn) {
 }
 
 TEST(Gif, TimesAreRoundedFromTheFilmsStart) {
+  OVOID_NOT_UNDER_TSAN();
   const TestFolder folder;
   const std::string name = folder.file("a.png");
   write_png(pixels_of(2, 2, [](int, int) { return std::array<int, 4>{9, 9, 9, 255}; }), 2, 2, name);
@@ -132,6 +135,7 @@ TEST(Gif, TimesAreRoundedFromTheFilmsStart) {
 // 65536 colours in a square, which parts in halves: 256 squares of 16 x 16, whose variance is
 // (16^2 - 1) / 12 along each side, and the rounding of a mean adds at most 1/4.
 TEST(Gif, APaletteIsAsNearAsItCanBe) {
+  OVOID_NOT_UNDER_TSAN();
   ColorCounts counts;
   counts.add(pixels_of(256, 256, [](int x, int y) { return std::array<int, 4>{x, 7, y, 255}; }));
   const std::vector<Rgb8> palette = counts.palette(256);
@@ -155,6 +159,7 @@ TEST(Gif, APaletteIsAsNearAsItCanBe) {
 // 256 x 256 colours, are parted to the end: two halves of 16384 pixels whose means lie 32 apart,
 // 16384 / 4 x 32^2.
 TEST(Gif, RareColorsFarFromOthersStay) {
+  OVOID_NOT_UNDER_TSAN();
   ColorCounts counts;
   counts.add(pixels_of(1024, 512, [](int x, int y) {
     return std::array<int, 4>{x / 4, y, 0, 255};
@@ -166,6 +171,7 @@ TEST(Gif, RareColorsFarFromOthersStay) {
 
 // Of a pattern's 64 pixels as many are the other colour as its share says.
 TEST(Gif, ColorsBetweenTwoAreMixed) {
+  OVOID_NOT_UNDER_TSAN();
   PaletteMatcher matcher({{0, 0, 0}, {255, 255, 255}, {200, 0, 0}});
   const auto count = [&](const Rgb8& color, std::uint8_t index) {
     int sum = 0;
@@ -184,6 +190,7 @@ TEST(Gif, ColorsBetweenTwoAreMixed) {
 // 4096 colours 4 apart: the palette's lie 16 apart, so the nearest is at most 3 x 4 / 2 x sqrt(2)
 // away, and the one that is mixed in at most two cells' sides further.
 TEST(Gif, ManyColorsAreNearTheirOwn) {
+  OVOID_NOT_UNDER_TSAN();
   const TestFolder folder;
   const auto picture = pixels_of(64, 64, [](int x, int y) {
     return std::array<int, 4>{4 * x, 4 * y, 0, 255};
@@ -201,6 +208,7 @@ TEST(Gif, ManyColorsAreNearTheirOwn) {
 }
 
 TEST(Gif, LessThanHalfOpaqueIsClear) {
+  OVOID_NOT_UNDER_TSAN();
   const TestFolder folder;
   std::vector<std::string> names;
   for (int i = 0; i < 2; ++i) {
@@ -232,6 +240,7 @@ TEST(Gif, LessThanHalfOpaqueIsClear) {
 }
 
 TEST(Gif, Errors) {
+  OVOID_NOT_UNDER_TSAN();
   const TestFolder folder;
   const std::string film = folder.file("a.gif");
   const std::string large = folder.file("large.png");
@@ -260,6 +269,7 @@ TEST(Gif, Errors) {
 // Fails if the second reading of the pictures is not told of, or the token not looked at between
 // them.
 TEST(Gif, TellsHowFarItIsAndStops) {
+  OVOID_NOT_UNDER_TSAN();
   const TestFolder folder;
   const std::string name = folder.file("a.png");
   write_png(std::vector<std::uint8_t>(16, 255), 2, 2, name);
@@ -289,11 +299,12 @@ TEST(Gif, TellsHowFarItIsAndStops) {
 
 // A device that takes nothing.
 TEST(Gif, AFullDiskIsTold) {
+  OVOID_NOT_UNDER_TSAN();
   const TestFolder folder;
   write_png(std::vector<std::uint8_t>(16, 255), 2, 2, folder.file("a.png"));
   EXPECT_EQ(error_of([&] { write_gif({folder.file("a.png")}, "/dev/full", 10); }).substr(0, 11),
             "file-write:");
 }
 
-}  // namespace
+}  // namespace gif_test
 }  // namespace ovoid::io

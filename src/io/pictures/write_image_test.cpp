@@ -19,7 +19,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace write_image_test {
 
 Image small_image() {
   Image image;
@@ -194,5 +194,5 @@ TEST(WriteImage, Errors) {
   EXPECT_EQ(folder.count(), 0);
 }
 
-}  // namespace
+}  // namespace write_image_test
 }  // namespace ovoid::io

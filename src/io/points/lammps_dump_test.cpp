@@ -13,7 +13,7 @@
 #include "io/read_source.h"
 
 namespace ovoid::io {
-namespace {
+namespace lammps_dump_test {
 
 using Doubles = std::vector<double>;
 
@@ -88,5 +88,5 @@ TEST(LammpsDump, WhatIsBroken) {
   EXPECT_EQ(message(good + "garbage\n").substr(0, 38), "file-format: a.dump: line 12: 'garbage");
 }
 
-}  // namespace
+}  // namespace lammps_dump_test
 }  // namespace ovoid::io

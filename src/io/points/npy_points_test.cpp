@@ -13,7 +13,7 @@
 #include "io/read_source.h"
 
 namespace ovoid::io {
-namespace {
+namespace npy_points_test {
 
 using Floats = std::vector<float>;
 
@@ -131,5 +131,5 @@ TEST(Npz, MessagesAreShortWhateverTheArchiveHolds) {
   for (const std::string& note : dataset.notes) EXPECT_LT(note.size(), 200U);
 }
 
-}  // namespace
+}  // namespace npy_points_test
 }  // namespace ovoid::io

@@ -11,7 +11,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace particle_files_test {
 
 class ParticleFiles : public testing::Test {
  protected:
@@ -69,5 +69,5 @@ TEST_F(ParticleFiles, SphHasMassAndDensity) {
   EXPECT_EQ(dataset_.array("vxyz").num_components, 3);
 }
 
-}  // namespace
+}  // namespace particle_files_test
 }  // namespace ovoid::io

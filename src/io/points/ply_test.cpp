@@ -13,7 +13,7 @@
 #include "io/read_source.h"
 
 namespace ovoid::io {
-namespace {
+namespace ply_test {
 
 using Floats = std::vector<float>;
 
@@ -208,5 +208,5 @@ TEST(Ply, WhatCannotBeWritten) {
   EXPECT_EQ(folder.count(), 0);
 }
 
-}  // namespace
+}  // namespace ply_test
 }  // namespace ovoid::io

@@ -15,7 +15,7 @@
 #include "io/read_source.h"
 
 namespace ovoid::io {
-namespace {
+namespace point_text_test {
 
 using Doubles = std::vector<double>;
 
@@ -197,5 +197,5 @@ TEST(PointColumns, UnitsInBrackets) {
   EXPECT_EQ(split_unit("a] b").name, "a] b");
 }
 
-}  // namespace
+}  // namespace point_text_test
 }  // namespace ovoid::io

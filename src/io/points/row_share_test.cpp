@@ -21,7 +21,7 @@
 #include "ovoid/series.h"
 
 namespace ovoid::io {
-namespace {
+namespace row_share_test {
 
 ReadWith reader_of(const std::string& name, const std::string& bytes) {
   return [name, bytes](const ReadOptions& options) {
@@ -254,5 +254,5 @@ TEST(RowShare, OthersRowsAreNotRead) {
   EXPECT_LT(bytes_read("a.ply", ply), most(ply));
 }
 
-}  // namespace
+}  // namespace row_share_test
 }  // namespace ovoid::io

@@ -16,7 +16,7 @@
 #include "io/images/test_volumes.h"
 
 namespace ovoid::io {
-namespace {
+namespace reader_messages_test {
 
 using Json = nlohmann::json;
 
@@ -257,5 +257,5 @@ TEST(ReaderMessages, UnsealedMemoryIsRefused) {
   EXPECT_NE(error_of([&] { dataset_from_message(host_of("a.vtu"), message); }), "");
 }
 
-}  // namespace
+}  // namespace reader_messages_test
 }  // namespace ovoid::io

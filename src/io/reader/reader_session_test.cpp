@@ -26,7 +26,7 @@
 #include "ovoid/series.h"
 
 namespace ovoid::io {
-namespace {
+namespace reader_session_test {
 
 namespace fs = std::filesystem;
 
@@ -333,5 +333,5 @@ TEST_F(ReaderSessionTest, SeriesKeepsItsProcess) {
   EXPECT_EQ(error_of([&] { steps->read(1); }), "");
 }
 
-}  // namespace
+}  // namespace reader_session_test
 }  // namespace ovoid::io

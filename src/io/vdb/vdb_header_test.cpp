@@ -14,7 +14,7 @@
 #include "io/images/test_volumes.h"
 
 namespace ovoid::io {
-namespace {
+namespace vdb_header_test {
 
 using testing::HasSubstr;
 
@@ -74,5 +74,5 @@ TEST_F(VdbHeaders, SizesAndPlacesThatAreNotThereAreErrors) {
   EXPECT_THAT(vdb_header_error(with_byte("Tree", offsets, 0)), HasSubstr("is the file damaged?"));
 }
 
-}  // namespace
+}  // namespace vdb_header_test
 }  // namespace ovoid::io

@@ -27,9 +27,10 @@
 #include "data/scalar_visit.h"
 #include "fuzz/targets.h"
 #include "io/reader/reader_session.h"
+#include "support/where.h"
 
 namespace ovoid::io {
-namespace {
+namespace vdb_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -315,6 +316,7 @@ TEST_F(VdbFiles, ThatAreCutShortAreErrors) {
 // Whatever a byte says, reading ends, with something consistent or one line. OVOID_MUTATIONS=n asks
 // for n times as many.
 TEST_F(VdbFiles, ThatAreDamagedEndInAnError) {
+  OVOID_NOT_UNDER_TSAN();
   const char* const factor = std::getenv("OVOID_MUTATIONS");
   const int count = 40 * (factor == nullptr ? 1 : std::max(1, std::atoi(factor)));
   std::mt19937_64 random(20261127);
@@ -342,7 +344,7 @@ TEST_F(VdbFiles, ThatAreDamagedEndInAnError) {
   }
 }
 
-}  // namespace
+}  // namespace vdb_test
 }  // namespace ovoid::io
 
 #else

@@ -14,7 +14,7 @@
 #include "io/hdf5/test_lattice_files.h"
 
 namespace ovoid::io {
-namespace {
+namespace image_write_test {
 
 // A build without VTK can write these files, but not read them.
 bool can_read(const std::string& path) {
@@ -287,5 +287,5 @@ TEST(LegacyVtkWrite, RefusesWhatItCannotHold) {
   }
 }
 
-}  // namespace
+}  // namespace image_write_test
 }  // namespace ovoid::io

@@ -16,7 +16,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace lattice_pieces_test {
 
 using testing::HasSubstr;
 
@@ -297,5 +297,5 @@ TEST(LatticePieces, OfFiles) {
               HasSubstr("p.vti: array 'w': not there: expected one of 'v'"));
 }
 
-}  // namespace
+}  // namespace lattice_pieces_test
 }  // namespace ovoid::io

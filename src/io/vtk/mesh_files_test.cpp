@@ -19,7 +19,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace mesh_files_test {
 
 // A hexahedron and a tetrahedron on its side, five arrays.
 const std::string kVtu =
@@ -494,5 +494,5 @@ TEST_F(MeshFiles, TheLimbAndTheCosmosAsTheReadmesSay) {
   }
 }
 
-}  // namespace
+}  // namespace mesh_files_test
 }  // namespace ovoid::io

@@ -13,7 +13,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace rectilinear_test {
 
 using Axes = std::array<AxisCoordinates, 3>;
 
@@ -130,5 +130,5 @@ TEST(Rectilinear, CoordinatesAreMeasuredBeforeVtkSeesThem) {
             "file-format: a.vtk: X_COORDINATES: 'x' after 1");
 }
 
-}  // namespace
+}  // namespace rectilinear_test
 }  // namespace ovoid::io

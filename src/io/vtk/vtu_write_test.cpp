@@ -15,7 +15,7 @@
 #include "ovoid/io.h"
 
 namespace ovoid::io {
-namespace {
+namespace vtu_write_test {
 
 template <class T>
 Bytes owned_bytes(std::vector<T> numbers) {
@@ -141,5 +141,5 @@ TEST_F(VtuWrite, RefusesWhatContradictsItself) {
   refused(particles, "holds a mesh");
 }
 
-}  // namespace
+}  // namespace vtu_write_test
 }  // namespace ovoid::io

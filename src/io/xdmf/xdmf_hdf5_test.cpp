@@ -19,7 +19,7 @@
 #include "io/foreign/hdf5_handle.h"
 
 namespace ovoid::io {
-namespace {
+namespace xdmf_hdf5_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -133,11 +133,11 @@ TEST_F(XdmfInHdf5, WhatIsNotThereIsTold) {
   EXPECT_THAT(item_error(kInHdf5), HasSubstr("a.h5"));
 }
 
-}  // namespace
+}  // namespace xdmf_hdf5_test
 }  // namespace ovoid::io
 #else
 namespace ovoid::io {
-namespace {
+namespace xdmf_hdf5_test {
 
 TEST(XdmfInHdf5, NeedsHdf5) {
   const TestFolder folder;
@@ -148,6 +148,6 @@ TEST(XdmfInHdf5, NeedsHdf5) {
               testing::HasSubstr("this build has no HDF5"));
 }
 
-}  // namespace
+}  // namespace xdmf_hdf5_test
 }  // namespace ovoid::io
 #endif

@@ -19,7 +19,7 @@
 #include "ovoid/series.h"
 
 namespace ovoid::io {
-namespace {
+namespace xdmf_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -486,5 +486,5 @@ TEST(Xdmf, IsWhatVtiAndVtuHold) {
   EXPECT_EQ(values_of<float>(vtu.array("u")), values_of<float>(mesh.array("u")));
 }
 
-}  // namespace
+}  // namespace xdmf_test
 }  // namespace ovoid::io

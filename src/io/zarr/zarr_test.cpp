@@ -18,9 +18,10 @@
 #include "io/images/test_volumes.h"
 #include "io/zarr/test_zarr.h"
 #include "ovoid/io.h"
+#include "support/where.h"
 
 namespace ovoid::io {
-namespace {
+namespace zarr_test {
 
 namespace fs = std::filesystem;
 using Sizes = std::vector<std::int64_t>;
@@ -518,6 +519,7 @@ TEST(Zarr, DescriptionsThatAreNotReadAreRefusedByName) {
 }
 
 TEST(Zarr, DamagedChunksAreNamed) {
+  OVOID_NOT_UNDER_TSAN();
   const TestFolder folder;
   const auto refused = [&](const StoreOptions& options, const std::string& chunk) {
     ZarrFiles files = store_of(options);
@@ -572,5 +574,5 @@ TEST(Zarr, NothingLeadsOutOfTheFolder) {
             expected_values({3, 4, 5}));
 }
 
-}  // namespace
+}  // namespace zarr_test
 }  // namespace ovoid::io

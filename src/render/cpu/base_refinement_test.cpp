@@ -8,7 +8,7 @@
 #include "render/cpu/tile_output.h"
 
 namespace ovoid::cpu {
-namespace {
+namespace base_refinement_test {
 
 using Shade = std::function<float(int x, int y)>;
 
@@ -91,5 +91,5 @@ TEST(BaseRefinement, EveryNthSampleLiesWhereItDid) {
   EXPECT_NEAR(back[1], 2, 1e-9);
 }
 
-}  // namespace
+}  // namespace base_refinement_test
 }  // namespace ovoid::cpu

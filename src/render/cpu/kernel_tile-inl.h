@@ -227,8 +227,8 @@ inline bool draw_field_layer(const KernelFrame& frame, KernelTileWorkspace& work
   return goes_on;
 }
 
-inline void render_kernel_tile_on_target(const KernelFrame& frame, KernelTileWorkspace& work,
-                                         const TileRect& rect) {
+void render_kernel_tile_on_target(const KernelFrame& frame, KernelTileWorkspace& work,
+                                  const TileRect& rect) {
   WorkerStats& stats = work.stats;
   StageClock clock(stats.ticks, frame.options->collect_profile);
   set_up_tile(frame, work, rect);

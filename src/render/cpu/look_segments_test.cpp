@@ -11,7 +11,7 @@
 #include "view/look_variation.h"
 
 namespace ovoid::cpu {
-namespace {
+namespace look_segments_test {
 
 constexpr int kEntries = device::kTableCells + 1;
 
@@ -98,5 +98,5 @@ TEST(LookSegments, AreNotForLooksOfManyColors) {
   EXPECT_EQ(color_segments(Tables(transfer).entries.data()).count, 0);
 }
 
-}  // namespace
+}  // namespace look_segments_test
 }  // namespace ovoid::cpu

@@ -15,7 +15,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::cpu {
-namespace {
+namespace runner_test {
 
 enum class Kind { kThreads, kShuffled };
 
@@ -104,5 +104,5 @@ TEST(Runner, ThreadsTakeOneRunAfterTheOther) {
 
 TEST(Runner, ZeroThreadsIsOnePerHardwareThread) { EXPECT_GE(make_runner(0)->num_workers(), 1); }
 
-}  // namespace
+}  // namespace runner_test
 }  // namespace ovoid::cpu

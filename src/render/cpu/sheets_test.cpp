@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace ovoid::cpu {
-namespace {
+namespace sheets_test {
 
 constexpr PlaneShape kShape{5, 7};
 
@@ -58,5 +58,5 @@ TEST(SheetRing, AClearedSheetKnowsNothing) {
   EXPECT_EQ(sheet.has_gradient, RowBits{});
 }
 
-}  // namespace
+}  // namespace sheets_test
 }  // namespace ovoid::cpu

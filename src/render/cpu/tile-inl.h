@@ -378,8 +378,8 @@ inline void draw_layer(const LatticeFrame& frame, LatticeWorkspace& work, const 
 
 // Draws a patch, or one tile where the frame has no nodes, into work.tiles; of the tile the samples
 // named by `wanted`, or all.
-inline void render_patch_on_target(const LatticeFrame& frame, LatticeWorkspace& work,
-                                   const TileRect& rect, const RowWord* wanted) {
+void render_patch_on_target(const LatticeFrame& frame, LatticeWorkspace& work, const TileRect& rect,
+                            const RowWord* wanted) {
   view::ViewLattice::SheetRange sheets = frame.lattice_plan->sheets;
   for (const LatticeFrame* const other : frame.beside) {
     const view::ViewLattice::SheetRange& more = other->lattice_plan->sheets;

@@ -6,9 +6,18 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#ifdef OVOID_SIMD_UNITS  // of each target its own (ovoid_simd_sources in cmake/OvoidTargets.cmake)
+HWY_BEFORE_NAMESPACE();
+namespace ovoid::cpu::HWY_NAMESPACE {
+void render_patch_on_target(const LatticeFrame& frame, LatticeWorkspace& work, const TileRect& rect,
+                            const RowWord* wanted);
+}  // namespace ovoid::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#else
 #include "render/cpu/tile-inl.h"
+#endif
 
-#if HWY_ONCE
+#if HWY_ONCE && !defined(OVOID_SIMD_UNIT)
 
 namespace ovoid::cpu {
 

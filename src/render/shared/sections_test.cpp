@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace ovoid {
-namespace {
+namespace sections_test {
 
 // Fails if the moments that shaders sum by points, and those that the cpu back end has in closed
 // form, are of different slabs or Gaussians. Slabs are as wide as a sheet, kernels' sigmas half a
@@ -21,5 +21,5 @@ TEST(SlabMoments, AreTheSameByPointsAndInClosedForm) {
   }
 }
 
-}  // namespace
+}  // namespace sections_test
 }  // namespace ovoid

@@ -12,7 +12,7 @@
 #include "render/vulkan/stages.h"
 
 namespace ovoid::vulkan {
-namespace {
+namespace layout_test {
 
 using Offsets = std::map<std::string, std::uint32_t>;  // by "Structure.member"
 
@@ -281,5 +281,5 @@ TEST(DeviceLayout, StagesHaveTheirBindings) {
   }
 }
 
-}  // namespace
+}  // namespace layout_test
 }  // namespace ovoid::vulkan

@@ -8,7 +8,7 @@
 #include "ovoid/error.h"
 
 namespace ovoid::vulkan {
-namespace {
+namespace result_test {
 
 // Each way in which a driver may fail has its code, and says what was tried and what else there is.
 TEST(VulkanResult, FailuresAreErrorsWithAWayBack) {
@@ -35,5 +35,5 @@ TEST(VulkanResult, FailuresAreErrorsWithAWayBack) {
   }
 }
 
-}  // namespace
+}  // namespace result_test
 }  // namespace ovoid::vulkan

@@ -227,6 +227,8 @@ inline bool draw_field_layer(const KernelFrame& frame, KernelTileWorkspace& work
   return goes_on;
 }
 
+// Not inline: other units call it (ovoid_simd_sources in cmake/OvoidTargets.cmake).
+// NOLINTNEXTLINE(misc-definitions-in-headers)
 void render_kernel_tile_on_target(const KernelFrame& frame, KernelTileWorkspace& work,
                                   const TileRect& rect) {
   WorkerStats& stats = work.stats;

@@ -378,6 +378,8 @@ inline void draw_layer(const LatticeFrame& frame, LatticeWorkspace& work, const 
 
 // Draws a patch, or one tile where the frame has no nodes, into work.tiles; of the tile the samples
 // named by `wanted`, or all.
+// Not inline: other units call it (ovoid_simd_sources in cmake/OvoidTargets.cmake).
+// NOLINTNEXTLINE(misc-definitions-in-headers)
 void render_patch_on_target(const LatticeFrame& frame, LatticeWorkspace& work, const TileRect& rect,
                             const RowWord* wanted) {
   view::ViewLattice::SheetRange sheets = frame.lattice_plan->sheets;

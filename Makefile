@@ -25,7 +25,7 @@ build: setup  ## set up and build the program, its readers and its window: build
 setup:  ## install the distribution's packages (nothing to do when they are there)
 	@scripts/setup.sh program build
 
-quick:  ## build and test the parts that changed since the last commit, or PART="io render/cpu"; minutes the first time, then under one
+quick:  ## build and test the parts that changed since the last commit, or PART="io render/cpu"; minutes the first time
 	@scripts/setup.sh program build test
 	@python3 scripts/quick.py $(PART)
 

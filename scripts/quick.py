@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Builds and tests the parts that changed, within a minute: quick.py [FOLDER...]
+"""Builds and tests the parts that changed: quick.py [FOLDER...]
 
 Parts are those of the files that differ from the last commit, or those of the folders that are named ("io", "render/cpu", "apps/ovoid").
 The dev preset is built, as far as these parts' tests need it. Of the tests, those that took least the last time are run, as many as fit

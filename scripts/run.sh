@@ -7,11 +7,11 @@ cd "$(dirname "$0")/.."
 
 tell() { printf '\n[%d/3] %s\n' "$1" "$2"; }
 
-tell 1 "packages of the distribution (a minute, once)"
+tell 1 "packages of the distribution (once)"
 scripts/setup.sh program
-tell 2 "the library and the program (some five minutes on two cores, once)"
+tell 2 "the library and the program (minutes, once)"
 settings=(-DOVOID_ONLY_PROGRAM=ON -DOVOID_SIMD=few)
 if grep -qs '^OVOID_ONLY_PROGRAM:BOOL=OFF$' build/release/CMakeCache.txt; then settings=(); fi
 scripts/build.sh release "${settings[@]}" ovoid_program
-tell 3 "a sample volume and its picture (a second)"
+tell 3 "a sample volume and its picture"
 scripts/sample.sh

@@ -57,7 +57,7 @@ for package in "${wanted[@]}"; do
 done
 ((${#missing[@]})) || exit 0
 
-echo "setup: installing ${#missing[@]} packages (once; a minute, or three with those of VTK): ${missing[*]}"
+echo "setup: installing ${#missing[@]} packages (minutes, once): ${missing[*]}"
 as_root=()
 if ((EUID != 0)); then
   command -v sudo >/dev/null || {

@@ -17,6 +17,7 @@
 #include "ovoid/devices.h"
 #include "support/compare.h"
 #include "support/scenes.h"
+#include "support/where.h"
 #include "view/frame_plan.h"
 
 namespace ovoid::test {
@@ -256,10 +257,7 @@ Scene small_scene(Mode mode, bool is_parallel) {
   return scene;
 }
 
-Backend tested_backend() {
-  const char* name = std::getenv("OVOID_TEST_BACKEND");
-  return name != nullptr && std::string(name) == "vulkan" ? Backend::kVulkan : Backend::kCpu;
-}
+Backend tested_backend() { return is_on_device() ? Backend::kVulkan : Backend::kCpu; }
 
 bool is_on_graphics_processor() {
   if (tested_backend() != Backend::kVulkan) return false;

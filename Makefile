@@ -43,12 +43,12 @@ format: setup  ## clang-format all sources in place
 sanitize: asan tsan  ## the tests of what reads files, makes models and has threads, under sanitizers
 
 asan tsan: setup
-	@scripts/setup.sh test
-	@scripts/build.sh $@ tests_labelled_$@
+	@scripts/setup.sh test clang
+	@scripts/build.sh $@ -DOVOID_SANITIZE_ALL=OFF tests_labelled_$@
 	@scripts/run_tests.sh $@ -L $@
 
 fuzz: setup  ## fuzz the readers for SECONDS (60) each
-	@scripts/setup.sh fuzz
+	@scripts/setup.sh clang
 	@scripts/fuzz.sh $(SECONDS)
 
 mutants: build  ## damage files a thousand times each, and let the program read them

@@ -22,7 +22,8 @@ from sources import ROOT, project_files, read_text
 
 FOLDER = os.path.join(ROOT, "build", "tidy")
 BASE = ".ci/tidy-base"
-ALL = (".clang-tidy", "CMakePresets.json", "scripts/check_tidy.py")
+ALL = (".clang-tidy", "scripts/check_tidy.py")
+PRESETS = "CMakePresets.json"
 INCLUDE = re.compile(r'^\s*#\s*include [<"]([^>"]+)[>"]', re.M)
 
 
@@ -83,15 +84,28 @@ def included_by(paths):
     return reached
 
 
+def flags_in(presets):
+    """What the text of the presets says of tidy's."""
+    named = {preset["name"]: preset for preset in json.loads(presets)["configurePresets"]}
+    chain, name = [], "tidy"
+    while name:
+        chain.append(named[name])
+        name = named[name].get("inherits")
+    return chain
+
+
 def changed_since_base():
     """Files that differ from the recorded commit, and its name; None where everything is to be read."""
     base = os.environ.get("OVOID_TIDY_BASE") or (read_text(BASE).strip() if os.path.exists(os.path.join(ROOT, BASE)) else "none")
     git = ["git", "-C", ROOT]
     if subprocess.run([*git, "merge-base", "--is-ancestor", base, "HEAD"], capture_output=True).returncode:
         return None, base
-    changed = subprocess.run([*git, "diff", "--name-only", base], check=True, capture_output=True, text=True).stdout.split("\n")
-    changed += subprocess.run([*git, "ls-files", "--others", "--exclude-standard"], check=True, capture_output=True, text=True).stdout.split("\n")
-    return (None if set(changed) & set(ALL) else set(changed) - {""}), base
+    def tell(*words):
+        return subprocess.run([*git, *words], check=True, capture_output=True, text=True).stdout
+
+    changed = {*tell("diff", "--name-only", base).splitlines(), *tell("ls-files", "--others", "--exclude-standard").splitlines()}
+    reads_all = changed & set(ALL) or PRESETS in changed and flags_in(tell("show", f"{base}:{PRESETS}")) != flags_in(read_text(PRESETS))
+    return (None if reads_all else changed), base
 
 
 def main(wanted):

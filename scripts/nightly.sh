@@ -7,7 +7,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.." || exit
 
 # In the order in which they are done: what finds most for its time comes first.
-readonly all=(tests checks vulkan asan tsan targets long package wheel experiments pictures mutants fuzz)
+readonly all=(tests checks vulkan asan tsan targets package wheel experiments pictures mutants fuzz)
 wanted=("$@")
 ((${#wanted[@]})) || wanted=("${all[@]}")
 
@@ -17,7 +17,7 @@ folder=$PWD/build/nightly/$commit
 mkdir -p "$folder"
 export OVOID_TEST_NIGHTLY=1
 
-part_tests() { make test; }  # the release build and all its tests
+part_tests() { make test; }  # the release build and all its tests, the window's memory over ten thousand pictures among them
 part_checks() {              # every check, clang-tidy over all sources
   make build && scripts/setup.sh check && OVOID_TIDY_BASE=none scripts/check.sh
 }
@@ -25,10 +25,10 @@ part_vulkan() {  # all tests of agreement on a Vulkan device, or Mesa's software
   scripts/build.sh release agreement_tests ovoid_program && scripts/run_tests.sh release -L vulkan
 }
 part_asan() {  # unit tests and those of agreement under AddressSanitizer and UndefinedBehaviorSanitizer
-  scripts/build.sh asan tests_labelled_unit agreement_tests && scripts/run_tests.sh asan -R '_tests\.' -E 'analytic|golden|cli|experiments'
+  scripts/setup.sh program build test clang && scripts/build.sh asan -DOVOID_SANITIZE_ALL=ON -DOVOID_VULKAN=ON tests_labelled_unit agreement_tests && scripts/run_tests.sh asan -R '_tests\.' -E 'analytic|golden|cli|experiments'
 }
 part_tsan() {  # unit tests under ThreadSanitizer
-  scripts/build.sh tsan tests_labelled_unit && scripts/run_tests.sh tsan -L unit
+  scripts/setup.sh program build test && scripts/build.sh tsan -DOVOID_SANITIZE_ALL=ON tests_labelled_unit && scripts/run_tests.sh tsan -L unit
 }
 part_targets() {  # tests of agreement on each SIMD target of this machine
   scripts/build.sh release agreement_tests || return
@@ -37,9 +37,6 @@ part_targets() {  # tests of agreement on each SIMD target of this machine
     OVOID_TEST_TARGET=$target scripts/run_tests.sh release -R '^agreement_tests\.' || status=1
   done
   return $status
-}
-part_long() {  # the window's memory over ten thousand pictures
-  scripts/build.sh release && OVOID_TEST_LONG=1 build/release/bin/viewer_tests --gtest_filter='*TenThousand*'
 }
 part_package() { make package && scripts/run_tests.sh release -L install; }
 part_wheel() { scripts/bare_wheel.sh; }  # a wheel, tried where none of its libraries is installed

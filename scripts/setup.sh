@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs the distribution's packages that groups of work need: setup.sh program [build] [test] [check] [fuzz] [bench] [nightly].
+# Installs the distribution's packages that groups of work need: setup.sh program [build] [test] [check] [clang] [bench] [nightly].
 # Does nothing, in a few milliseconds, when they are all there. Debian 12, Ubuntu 24.04 and later.
 set -euo pipefail
 
@@ -33,11 +33,12 @@ declare -A groups=(
     python3-hypothesis python3-nbconvert python3-ipykernel python3-ipywidgets
     xvfb xauth libgl1-mesa-dri fonts-dejavu-core"
   [check]="git clang-format clang-tidy"
-  [fuzz]="clang"
+  # AddressSanitizer's build and the fuzzers.
+  [clang]="clang"
   # The GPU peer draws with Mesa's software driver on a virtual screen; zfp's bytes stand beside those of fitted scans.
   [bench]="xvfb xauth libgl1-mesa-dri zfp"
   # A bare system that a wheel is tried in.
-  [nightly]="clang debootstrap"
+  [nightly]="debootstrap"
 )
 
 if ! command -v dpkg-query >/dev/null; then
@@ -50,32 +51,42 @@ for group in "$@"; do
   read -r -d '' -a packages <<<"${groups[$group]:?"setup: unknown group '$group'"}" || true
   wanted+=("${packages[@]}")
 done
-installed=$(dpkg-query -W -f '${Package} ${db:Status-Abbrev}\n' "${wanted[@]}" 2>/dev/null || true)
-missing=()
-for package in "${wanted[@]}"; do
-  [[ $'\n'$installed == *$'\n'"$package ii"* ]] || missing+=("$package")
-done
-((${#missing[@]})) || exit 0
 
-echo "setup: installing ${#missing[@]} packages (minutes, once): ${missing[*]}"
 as_root=()
-if ((EUID != 0)); then
-  command -v sudo >/dev/null || {
+((EUID == 0)) || as_root=(sudo)
+
+# Installs those of the named packages that are missing.
+ensure() {
+  local installed package said free missing=()
+  installed=$(dpkg-query -W -f '${Package} ${db:Status-Abbrev}\n' "$@" 2>/dev/null || true)
+  for package in "$@"; do
+    [[ $'\n'$installed == *$'\n'"$package ii"* ]] || missing+=("$package")
+  done
+  ((${#missing[@]})) || return 0
+
+  echo "setup: installing ${#missing[@]} packages (minutes, once): ${missing[*]}"
+  if ((EUID != 0)) && ! command -v sudo >/dev/null; then
     echo "setup: not root and no sudo; please install: ${missing[*]}" >&2
     exit 1
-  }
-  as_root=(sudo)
-fi
-# What apt says is kept from people only while all goes well.
-if ! said=$({ "${as_root[@]}" apt-get update -qq -o DPkg::Lock::Timeout=300 &&
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-    apt-get install -y -qq -o DPkg::Lock::Timeout=300 --no-install-recommends "${missing[@]}"; } 2>&1 </dev/null); then
-  tail -n 15 <<<"$said" >&2
-  free=$(df --output=avail -m /var/cache/apt 2>/dev/null | tail -n 1 | tr -d ' ')
-  if ((${free:-10000} < 2000)); then
-    echo "setup: the packages could not be installed: the disk has $free MB left, and they need some 2000" >&2
-  else
-    echo "setup: the packages could not be installed (apt's last lines stand above). Is there a network? Call it again: it goes on where it was." >&2
   fi
-  exit 1
+  # What apt says is kept from people only while all goes well.
+  if ! said=$({ "${as_root[@]}" apt-get update -qq -o DPkg::Lock::Timeout=300 &&
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+      apt-get install -y -qq -o DPkg::Lock::Timeout=300 --no-install-recommends "${missing[@]}"; } 2>&1 </dev/null); then
+    tail -n 15 <<<"$said" >&2
+    free=$(df --output=avail -m /var/cache/apt 2>/dev/null | tail -n 1 | tr -d ' ')
+    if ((${free:-10000} < 2000)); then
+      echo "setup: the packages could not be installed: the disk has $free MB left, and they need some 2000" >&2
+    else
+      echo "setup: the packages could not be installed (apt's last lines stand above). Is there a network? Call it again: it goes on where it was." >&2
+    fi
+    exit 1
+  fi
+}
+
+ensure "${wanted[@]}"
+# clang's package does not bring the libraries of its sanitizers, and these have its version in their name.
+if [[ " $* " == *" clang "* && ! -e $(clang --print-file-name=libclang_rt.asan-"$(uname -m)".a) ]]; then
+  version=$(clang -dumpversion)
+  ensure "libclang-rt-${version%%.*}-dev"
 fi

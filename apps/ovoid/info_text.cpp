@@ -13,8 +13,11 @@
 #include "profile.h"
 
 namespace ovoid::cli {
+namespace {
 
 using Json = nlohmann::ordered_json;
+
+}  // namespace
 
 std::string number_text(const Json& value) {
   return value.is_number_float() ? fmt::format("{:.9g}", value.get<double>()) : value.dump();

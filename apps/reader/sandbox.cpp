@@ -15,7 +15,7 @@
 #include "io/reader/reader_link.h"
 
 // Sanitizers make calls of their own, at any time.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef OVOID_SANITIZED
 #undef OVOID_SECCOMP
 #endif
 

@@ -198,13 +198,11 @@ TEST(Mutation, SeedsAreValid) {
       {"a.nc", fuzz::netcdf_seeds()},      {"a.slc", fuzz::slc_seeds()},
       {"a.csv", fuzz::point_text_seeds()}, {"a.npz", fuzz::npz_seeds()},
       {"a.ply", fuzz::ply_seeds()},        {"a.dump", fuzz::lammps_seeds()}};
-  for (const auto& [name, seeds] : whole) {
+  for (const auto& format : whole) {
+    const std::vector<std::string>& seeds = format.second;
     for (std::size_t i = 0; i < std::min<std::size_t>(seeds.size(), 5); ++i) {  // in one file
-      EXPECT_EQ(error_of([&] {
-                  read_source(*open_memory(name, std::as_bytes(std::span(seeds[i]))), {});
-                }),
-                "")
-          << name << i;
+      const auto source = open_memory(format.first, std::as_bytes(std::span(seeds[i])));
+      EXPECT_EQ(error_of([&] { read_source(*source, {}); }), "") << format.first << i;
     }
   }
   const auto vtk = fuzz::vtk_header_seeds();
@@ -217,10 +215,10 @@ TEST(Mutation, SeedsAreValid) {
         << i;
   }
   for (const std::string& seed : fuzz::plot3d_seeds()) {
-    const auto whole = std::as_bytes(std::span(seed));
+    const auto bytes = std::as_bytes(std::span(seed));
     ASSERT_FALSE(seed.empty());
-    const std::size_t split = 1 + (seed.size() - 1) * static_cast<std::size_t>(whole[0]) / 255;
-    const fuzz::MemoryFile grid(whole.subspan(1, split - 1)), solution(whole.subspan(split));
+    const std::size_t split = 1 + (seed.size() - 1) * static_cast<std::size_t>(bytes[0]) / 255;
+    const fuzz::MemoryFile grid(bytes.subspan(1, split - 1)), solution(bytes.subspan(split));
     EXPECT_EQ(error_of([&] { read_plot3d(grid.path(), {solution.path()}, {}); }), "");
   }
   const auto netcdf = fuzz::netcdf_header_seeds();

@@ -74,13 +74,13 @@ bool are_large(std::span<const float> samples, const ValueRange& range) {
 double least_response(const LatticeKernel& kernel) {
   // A cosine polynomial of at most 64 terms (kMaxSigma * kMaxCutoff): 1024 steps resolve each of
   // its waves 16-fold.
-  constexpr int kSteps = 1024;
+  constexpr int kFrequencies = 1024;
   const std::vector<double> taps = one_axis_taps(kernel);
   double constant = taps[0];
   for (std::size_t k = 1; k < taps.size(); ++k) constant += 2 * taps[k];
   double least = constant;
-  for (int step = 1; step <= kSteps; ++step) {
-    const double frequency = std::numbers::pi * step / kSteps;
+  for (int step = 1; step <= kFrequencies; ++step) {
+    const double frequency = std::numbers::pi * step / kFrequencies;
     double response = taps[0];
     for (std::size_t k = 1; k < taps.size(); ++k) {
       response += 2 * taps[k] * std::cos(static_cast<double>(k) * frequency);

@@ -49,27 +49,34 @@ void expect_same_surface(const Surface& surface, const Surface& expected) {
   }
 }
 
+// Nodes of no cell get balls by distances that are worked out in floats of their own process, and
+// the weights around these follow.
+enum class Lone { kNone, kSome };
+
 // Where a field barely rises, light depends on its last bits.
-void expect_same_bits(const KernelField& field, const KernelField& expected) {
+void expect_same_bits(const KernelField& field, const KernelField& expected, Lone lone) {
   for (std::int64_t b = 0; b < expected.source().num_bricks(); ++b) {
     const KernelView view = field.source().acquire(b, 0);
     const KernelView wanted = expected.source().acquire(b, 0);
     for (std::int32_t k = 0; k < wanted.count; ++k) {
-      EXPECT_EQ(data::weight_of(view, k), data::weight_of(wanted, k));
+      if (lone == Lone::kNone)
+        EXPECT_EQ(data::weight_of(view, k), data::weight_of(wanted, k));
+      else
+        EXPECT_FLOAT_EQ(data::weight_of(view, k), data::weight_of(wanted, k));
       EXPECT_EQ(view.value[0][k], wanted.value[0][k]);
     }
   }
 }
 
 void expect_same_mesh(const Dataset& whole, const ShareOf& share_of,
-                      const KernelModelOptions& options = {}) {
+                      const KernelModelOptions& options = {}, Lone lone = Lone::kNone) {
   expect_same_together(whole, share_of, options);
   const auto alone = make_surface(whole, options);
   const KernelField field = make_kernel_field(whole, options);
   for (const int count : {1, 3, 7}) {
     SCOPED_TRACE(::testing::Message() << count << " processes");
     for (const Made& made : made_together(share_of, count, options)) {
-      expect_same_bits(made.field, field);
+      expect_same_bits(made.field, field, lone);
       ASSERT_EQ(made.surface == nullptr, alone == nullptr);
       if (alone != nullptr) expect_same_surface(*made.surface, *alone);
     }
@@ -82,7 +89,7 @@ void expect_same_mesh(const Dataset& whole, const KernelModelOptions& options = 
 
 Vec3 jittered(const Vec3& place, std::uint64_t seed) {
   Random random(seed + static_cast<std::uint64_t>(place[0] + 100 * place[1] + 10'000 * place[2]));
-  return place + 0.2 * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+  return place + 0.2 * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
 }
 
 // Curvilinear, with neighbours in any distance.
@@ -202,7 +209,7 @@ TEST(TeamMesh, WhatMeshesMayBe) {
   mesh.positions = array_of_numbers("positions", 3, std::move(places));
   mesh.arrays = {array_of_numbers("v", 1, std::move(values))};
   mesh.cells = std::move(cells).finish();
-  expect_same_mesh(mesh);
+  expect_same_mesh(mesh, cut_of(mesh), {}, Lone::kSome);
 }
 
 Dataset boxes(bool has_levels) {

@@ -58,9 +58,7 @@ TEST(RenderOptions, EachMemberIsNamed) {
        }),
        "clip_planes[0].offset: "},
   };
-  for (const auto& [options, start] : cases) {
-    expect_refused([&] { options.validate(); }, start);
-  }
+  for (const auto& wrong : cases) expect_refused([&] { wrong.first.validate(); }, wrong.second);
 }
 
 // Fails if a bound itself is refused.

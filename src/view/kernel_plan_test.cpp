@@ -112,7 +112,9 @@ TEST(KernelPlan, SliversOfSlabsAreKept) {
   // How many sheets farther than the last something of a block is drawn.
   const std::pair<Classification, double> ways[] = {{Classification::kSampled, 0.5},
                                                     {Classification::kRefined, 1.0}};
-  for (const auto& [classification, reach] : ways) {
+  for (const auto& way : ways) {
+    const Classification classification = way.first;
+    const double reach = way.second;
     const auto plan_with = [&](const std::vector<ClipPlane>& clip_planes) {
       RenderOptions options = options_of(640);
       options.classification = classification;

@@ -101,6 +101,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, BodyCentredMode, ::testing::Range(0, 5),
 
 // Fails if widened kernels, other widths or bricks of their own take another path to other numbers.
 TEST(BodyCentredAgreement, KernelsAndSources) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const LatticeKernel& kernel :
        {LatticeKernel{0.4, 4}, {0.8, 4}, {0.5, 2}, kBSplineKernel, kCatmullRomKernel}) {
     FieldSetup setup;

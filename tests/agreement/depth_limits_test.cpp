@@ -52,6 +52,7 @@ void expect_agreement_in_every_mode(const Field& field, const LimitedView& view,
 
 // Fails if a span, a stop's colour, an end of a piece or the depth is off.
 TEST(DepthLimits, AgreeForKernelSets) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   RenderOptions options = picture(50, 70, 0);
   options.post_convolution = PostConvolution::kOff;

@@ -12,6 +12,7 @@
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
+#include "support/where.h"
 
 namespace ovoid::test {
 namespace device_test {
@@ -84,6 +85,7 @@ TEST_F(OnDevice, LatticesLargerThanMemoryAreDrawnBoxByBox) {
 
 // Fails if surfaces, pieces or differences end where one box does.
 TEST_F(OnDevice, WhatLiesBetweenSheetsIsWholeAcrossBoxes) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (int way = 0; way < 4; ++way) {
     Scene scene = lattice_scene(false);
     if (way == 3) {
@@ -172,6 +174,7 @@ Look logarithmic_look(double greatest) {
 // Fails if 16 bits are taken where they can be seen, lit or not, or nothing is said where they are
 // not, or if they are never taken.
 TEST_F(OnDevice, HalfSheetsKeepTheirTierOnSets) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const KernelField wide(balls_of_all_sizes(600, 1e-3).source(), Reconstruction::kSum);
   for (const KernelField& field :
        {KernelField(jittered_ellipsoids(9).source(), Reconstruction::kNormalized),
@@ -302,6 +305,7 @@ TEST_F(OnDevice, ImpossibleWishesAreErrorsWithAWayOut) {
 
 // Fails if a pixel forgets in the next box or dispatch which stops have joined it.
 TEST_F(OnDevice, DepthLimitsGoThroughBoxes) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (int way = 0; way < 4; ++way) {
     Scene scene = lattice_scene(false);
     scene.options.classification = way == 0   ? Classification::kRefined
@@ -352,6 +356,7 @@ TEST_F(OnDevice, DepthLimitsAreThoseOfTheirRows) {
 // Fails if stops that a buffer of 128 MiB does not hold are cut off. All but the last stop of a
 // pixel let the field through, from the same place.
 TEST_F(OnDevice, MoreDepthLimitsThanABufferHoldsAreDrawnInBands) {
+  OVOID_NIGHTLY_ON_DEVICE();
   Scene scene = kernel_scene();
   scene.options.width = 512;
   scene.options.height = 256;

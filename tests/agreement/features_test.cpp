@@ -156,6 +156,7 @@ TEST(Agreement, ThreeIsosurfaces) {
 // Fails if light does not fade towards cuts that are seen, and to those alone, as it should: with
 // one of them, two that meet in an edge, one that is not seen.
 TEST(Agreement, CutFaces) {
+  OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     Scene scene = small_scene(Mode::kComposite, is_parallel);
     scene.options = picture(56, 44);
@@ -237,6 +238,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, EveryMode, ::testing::Range(0, 6),
 
 // Fails if the far from default paths (other tap counts, wide supports) differ from the definition.
 TEST(Agreement, KernelShapes) {
+  OVOID_NIGHTLY_ON_DEVICE();
   constexpr LatticeKernel kKernels[] = {{0.3, 5}, {0.7, 4}, {0.5, 3}, {1.0, 3}};
   for (const LatticeKernel& kernel : kKernels) {
     for (const Reconstruction reconstruction :

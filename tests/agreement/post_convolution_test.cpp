@@ -125,6 +125,7 @@ TEST(PostConvolution, AgreesOnWhatIsNoSingleSample) {
 // In perspective near sheets have many pixels per node and far ones none: from the middle of the
 // volume, where the nearest sheets lie at the eye. Fails at seams between patches of other pitches.
 TEST(PostConvolution, AgreesFromWithin) {
+  OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = sample_field("head");
   const ValueRange range = field.value_range();
   Scene scene = magnified(field, semi_transparent_look(range.lo, range.hi), false, 6, 200, 170);

@@ -359,6 +359,7 @@ TEST(Refined, SkippingChangesNoByte) {
 // Fails if pieces between two boxes of a lattice that does not fit, or two pages of a set, are
 // drawn twice or not at all.
 TEST(RefinedOnDevice, PiecesAreWholeAcrossBoxesAndPages) {
+  OVOID_NIGHTLY_ON_DEVICE();
   if (tested_backend() != Backend::kVulkan) GTEST_SKIP() << "another back end is tested";
   const auto draw_within = [](const Scene& scene, std::uint64_t bytes) {
     return Renderer(RendererSetup{.backend = Backend::kVulkan, .device_memory = bytes})

@@ -40,7 +40,7 @@ TEST(DryRun, TellsWhatAFrameNeedsAndWritesNothing) {
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
   const auto profile = nlohmann::json::parse(read_file(profile_path));
   const double peak = profile["peak_memory_bytes"].get<double>() / (1 << 20);
-#ifndef __SANITIZE_ADDRESS__  // which keeps what was freed
+#ifndef OVOID_SANITIZED_ADDRESS  // which keeps what was freed
   EXPECT_NEAR(mebibytes_in(result.out, "greatest memory"), peak, 0.15 * peak);
 #else
   EXPECT_GT(mebibytes_in(result.out, "greatest memory"), 0.5 * peak);

@@ -27,7 +27,7 @@ LatticeField make_stored_field(const Index3& dims, const VolumeFunction& shape,
                                const StoredRange& stored, const FieldSetup& setup = {});
 
 // The published ways take the reference so long under sanitizers that pictures are smaller there.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef OVOID_SANITIZED
 inline constexpr int kPublishedShrink = 2;
 #else
 inline constexpr int kPublishedShrink = 1;

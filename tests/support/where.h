@@ -10,12 +10,12 @@
 
 namespace ovoid::test {
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef OVOID_SANITIZED_ADDRESS
 inline constexpr bool kHasAddressSanitizer = true;
 #else
 inline constexpr bool kHasAddressSanitizer = false;
 #endif
-#ifdef __SANITIZE_THREAD__
+#ifdef OVOID_SANITIZED_THREAD
 inline constexpr bool kHasThreadSanitizer = true;
 #else
 inline constexpr bool kHasThreadSanitizer = false;

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "screen.h"
+#include "support/where.h"
 
 namespace ovoid::viewer_tests {
 namespace life_window_test {
@@ -135,9 +136,9 @@ TEST_F(WindowLife, MemoryStaysFlatOverThousandsOfFrames) {
   expect_flat_memory(view({make_head(), "--size", "160x120", "--no-panel"}, orbit_script(20)));
 }
 
-// Ten thousand, with the panel: OVOID_TEST_LONG=1 viewer_tests --gtest_filter=*TenThousand*.
+// Ten thousand, with the panel: OVOID_TEST_NIGHTLY=1 viewer_tests --gtest_filter=*TenThousand*.
 TEST_F(WindowLife, MemoryStaysFlatOverTenThousandFrames) {
-  if (std::getenv("OVOID_TEST_LONG") == nullptr) GTEST_SKIP() << "runs with OVOID_TEST_LONG=1";
+  if (!test::is_nightly()) GTEST_SKIP() << "in make nightly alone (OVOID_TEST_NIGHTLY=1)";
   expect_flat_memory(view({make_head(), "--size", "320x240"}, orbit_script(100)));
 }
 

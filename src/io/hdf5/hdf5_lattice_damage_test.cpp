@@ -23,7 +23,7 @@
 #include "io/reader/reader_session.h"
 #include "support/where.h"
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef OVOID_SANITIZED_ADDRESS
 // The library loses what it took for a file that it then could not open; of all tests here.
 extern "C" const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reserved-identifier)
   return "leak:libhdf5";

@@ -261,7 +261,7 @@ std::int64_t peak_of_child() {
 // Fails if the process that reads takes memory for other shares' rows, also where it looks at all
 // of them for the box.
 TEST_F(Hdf5Shares, OthersRowsTakeNoMemory) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef OVOID_SANITIZED_ADDRESS
   GTEST_SKIP() << "AddressSanitizer keeps what was freed";
 #endif
   constexpr hsize_t kMany = 2000000;

@@ -12,9 +12,9 @@
 #include <cstring>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <span>
 
+#include "io/core/json_file.h"
 #include "io/core/row_share.h"
 #include "io/core/samples.h"
 #include "io/core/samples_in_file.h"
@@ -22,8 +22,6 @@
 
 namespace ovoid::io {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr std::size_t kAlignment = 64;
 

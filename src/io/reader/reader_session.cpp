@@ -151,10 +151,10 @@ class ReaderProcess {
 
   // Lets it use so many seconds more of a processor, then the system ends it, or who waits for it
   // does; and so many bytes beside its libraries, then it gets no more.
-  void allow(double seconds, std::int64_t num_bytes) noexcept {
+  void allow(double seconds, [[maybe_unused]] std::int64_t num_bytes) noexcept {
     told_ = 0;
     set_limit(used_seconds() + seconds);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these take terabytes
+#ifndef OVOID_SANITIZED  // these take terabytes
     const auto size = static_cast<rlim_t>(num_bytes + kLibraries);
     const rlimit memory{size, size};
     ::prlimit(pid_, RLIMIT_AS, &memory, nullptr);

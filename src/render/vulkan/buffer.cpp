@@ -11,9 +11,6 @@
 namespace ovoid::vulkan {
 namespace {
 
-constexpr VkMemoryPropertyFlags kMapped =
-    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-
 VkBufferUsageFlags usage_of(BufferUse use) {
   switch (use) {
     case BufferUse::kUpload:

@@ -128,8 +128,6 @@ int Device::memory_type(std::uint32_t allowed, VkMemoryPropertyFlags needed,
 }
 
 bool Device::is_host_visible(int type) const noexcept {
-  constexpr VkMemoryPropertyFlags kMapped =
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   return (memory_.memoryTypes[type].propertyFlags & kMapped) == kMapped;
 }
 

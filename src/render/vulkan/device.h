@@ -25,6 +25,10 @@ struct Pipeline {
 // Values of the specialisation constants 0, 1, ...
 using Constants = std::vector<std::uint32_t>;
 
+// Memory that the host sees, with what the device writes, without further ado.
+inline constexpr VkMemoryPropertyFlags kMapped =
+    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+
 // Shared by all renderers of the process that use it; its members may be called from any thread.
 class Device {
  public:

@@ -6,6 +6,7 @@
 
 #include "app.h"
 #include "check_files.h"
+#include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "usage.h"
 

@@ -196,7 +196,10 @@ TEST(DefaultCamera, ViewsAreSeenFromTheNamedSide) {
       {"left", Space::kRas, -x, z},      {"right", Space::kLps, -x, z},
       {"right", Space::kRas, x, z},      {"superior", Space::kLps, z, -y},
       {"superior", Space::kRas, z, y},   {"inferior", Space::kLps, -z, -y},
-      {"inferior", Space::kRas, -z, y},
+      {"inferior", Space::kRas, -z, y},  {"front", Space::kNone, -y, z},
+      {"back", Space::kNone, y, z},      {"left", Space::kNone, -x, z},
+      {"right", Space::kNone, x, z},     {"top", Space::kNone, z, y},
+      {"bottom", Space::kNone, -z, y},
   };
   for (const Row& row : rows) {
     const Camera camera = default_camera(kBox, row.space, row.name);

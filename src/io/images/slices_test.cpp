@@ -151,6 +151,10 @@ TEST(Slices, Jpeg) {
   const auto values = values_of<std::uint8_t>(dataset.array());
   for (int i = 0; i < 256; ++i) EXPECT_NEAR(values[static_cast<std::size_t>(i)], i, 8) << i;
   const std::string whole = folder.read("a1.jpg");
+  // Comments of 40,000 bytes stand before the size, as cameras' pictures in miniature do.
+  const std::string comment = "\xFF\xFE\x9C\x42" + std::string(40'000, 'c');
+  folder.write("a1.jpg", whole.substr(0, 2) + comment + comment + whole.substr(2));
+  EXPECT_EQ(values_of<std::uint8_t>(read_dataset({folder.file("")}).array()), values);
   folder.write("a1.jpg", whole.substr(0, whole.size() - 60));
   EXPECT_THAT(error_of([&] { read_dataset({folder.file("")}); }),
               HasSubstr("a1.jpg: cannot be read: libjpeg: Premature end"));

@@ -7,7 +7,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.." || exit
 
 # In the order in which they are done: what finds most for its time comes first.
-readonly all=(tests checks vulkan asan tsan targets package wheel experiments pictures mutants fuzz)
+readonly all=(tests checks alone vulkan asan tsan targets package wheel experiments pictures mutants fuzz)
 wanted=("$@")
 ((${#wanted[@]})) || wanted=("${all[@]}")
 
@@ -21,6 +21,7 @@ part_tests() { make test; }  # the release build and all its tests, the window's
 part_checks() {              # every check, clang-tidy over all sources
   make build && scripts/setup.sh check && OVOID_TIDY_BASE=none scripts/check.sh
 }
+part_alone() { scripts/setup.sh program build test && scripts/build.sh dev; }  # each source by itself: no #include is missing
 part_vulkan() {  # all tests of agreement on a Vulkan device, or Mesa's software driver
   scripts/build.sh release agreement_tests ovoid_program && scripts/run_tests.sh release -L vulkan
 }

@@ -29,7 +29,7 @@ part_asan() {  # unit tests and those of agreement under AddressSanitizer and Un
   scripts/setup.sh program build test clang && scripts/build.sh asan -DOVOID_SANITIZE_ALL=ON -DOVOID_VULKAN=ON tests_labelled_unit agreement_tests && scripts/run_tests.sh asan -R '_tests\.' -E 'analytic|golden|cli|experiments'
 }
 part_tsan() {  # unit tests under ThreadSanitizer
-  scripts/setup.sh program build test && scripts/build.sh tsan -DOVOID_SANITIZE_ALL=ON tests_labelled_unit && scripts/run_tests.sh tsan -L unit
+  scripts/setup.sh program build test clang && scripts/build.sh tsan -DOVOID_SANITIZE_ALL=ON tests_labelled_unit && scripts/run_tests.sh tsan -L unit
 }
 part_targets() {  # tests of agreement on each SIMD target of this machine
   scripts/build.sh release agreement_tests || return

@@ -33,7 +33,7 @@ declare -A groups=(
     python3-hypothesis python3-nbconvert python3-ipykernel python3-ipywidgets
     xvfb xauth libgl1-mesa-dri fonts-dejavu-core"
   [check]="git clang-format clang-tidy"
-  # AddressSanitizer's build and the fuzzers.
+  # The builds under sanitizers, and the fuzzers.
   [clang]="clang"
   # The GPU peer draws with Mesa's software driver on a virtual screen; zfp's bytes stand beside those of fitted scans.
   [bench]="xvfb xauth libgl1-mesa-dri zfp"

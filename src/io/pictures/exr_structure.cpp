@@ -123,10 +123,10 @@ std::int64_t unpacked_bytes(const ByteSource& source, std::int64_t offset) {
 }  // namespace
 
 void require_deep_structure(const ByteSource& source) {
-  constexpr std::int32_t kFirstNumber = 20000630;
+  constexpr std::int32_t kExrMagic = 20000630;
   constexpr std::uint32_t kVersion = 2, kTiled = 0x200, kDeep = 0x800;
   Walk header(source, 0);
-  if (source.size() < 8 || header.number<std::int32_t>() != kFirstNumber)
+  if (source.size() < 8 || header.number<std::int32_t>() != kExrMagic)
     refuse_structure(source,
                      "is no OpenEXR file, not a part of a picture: expected what ovoid render "
                      "--part writes");

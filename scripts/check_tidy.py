@@ -18,7 +18,7 @@ import re
 import subprocess
 import sys
 
-from sources import ROOT, project_files, read_text
+from sources import ROOT, changed_since, git, project_files, read_text
 
 FOLDER = os.path.join(ROOT, "build", "tidy")
 BASE = ".ci/tidy-base"
@@ -97,14 +97,10 @@ def flags_in(presets):
 def changed_since_base():
     """Files that differ from the recorded commit, and its name; None where everything is to be read."""
     base = os.environ.get("OVOID_TIDY_BASE") or (read_text(BASE).strip() if os.path.exists(os.path.join(ROOT, BASE)) else "none")
-    git = ["git", "-C", ROOT]
-    if subprocess.run([*git, "merge-base", "--is-ancestor", base, "HEAD"], capture_output=True).returncode:
+    if subprocess.run(["git", "merge-base", "--is-ancestor", base, "HEAD"], cwd=ROOT, capture_output=True).returncode:
         return None, base
-    def tell(*words):
-        return subprocess.run([*git, *words], check=True, capture_output=True, text=True).stdout
-
-    changed = {*tell("diff", "--name-only", base).splitlines(), *tell("ls-files", "--others", "--exclude-standard").splitlines()}
-    reads_all = changed & set(ALL) or PRESETS in changed and flags_in(tell("show", f"{base}:{PRESETS}")) != flags_in(read_text(PRESETS))
+    changed = set(changed_since(base))
+    reads_all = changed & set(ALL) or PRESETS in changed and flags_in("\n".join(git("show", f"{base}:{PRESETS}"))) != flags_in(read_text(PRESETS))
     return (None if reads_all else changed), base
 
 

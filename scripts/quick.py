@@ -14,7 +14,7 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 
-from sources import ROOT
+from sources import ROOT, changed_since, git
 
 BUDGET = 20.0  # seconds
 FOLDER = os.path.join(ROOT, "build", "dev")
@@ -40,12 +40,8 @@ PROGRAMS = [
 ]
 
 
-def git(*words):
-    return subprocess.run(["git", *words], cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines()
-
-
 def changed_files():
-    return git("diff", "--name-only", "HEAD") + git("ls-files", "--others", "--exclude-standard") or git("diff", "--name-only", "HEAD~1")
+    return changed_since("HEAD") or git("diff", "--name-only", "HEAD~1")
 
 
 def programs_of(paths):

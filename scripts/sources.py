@@ -16,3 +16,13 @@ def project_files(*patterns):
 def read_text(path):
     with open(os.path.join(ROOT, path), encoding="utf-8", errors="surrogateescape") as file:
         return file.read()
+
+
+def git(*words):
+    """What a git command prints, by lines."""
+    return subprocess.run(["git", *words], cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines()
+
+
+def changed_since(commit):
+    """Files that differ from a commit, those that git does not know yet among them."""
+    return git("diff", "--name-only", commit) + git("ls-files", "--others", "--exclude-standard")

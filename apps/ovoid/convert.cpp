@@ -65,6 +65,17 @@ void write_relevant(const ConvertFlags& convert, const Dataset& dataset, Session
   note_relevant(convert.output, writer.counts(), session);
 }
 
+// All steps of a lattice in space and time as they are, if the input is one that needs no
+// resampling: only the way in which its samples are stored changes.
+bool write_same_steps(const ConvertFlags& convert, Session& session) {
+  if (convert.data.step || convert.data.time || convert.lattice_spacing != 1.0) return false;
+  if (convert.lattice && *convert.lattice != TargetLattice::kD4Star) return false;
+  const Series series = open_series(convert.data, session);
+  if (series.source().kind() != SeriesKind::kStaggered) return false;
+  write_steps(series.source(), convert.output, relevant_of(convert), session);
+  return true;
+}
+
 // All steps on a lattice in space and time.
 void convert_in_time(const ConvertFlags& convert, Session& session) {
   const Series series = open_series(convert.data, session);
@@ -111,6 +122,7 @@ void run_convert(const Words& words, Session& session) {
   }
   check_volume_output("--output", output);
   take_from_model(&convert.data, &convert.model);
+  if (keeps_relevant(convert) && write_same_steps(convert, session)) return;
   if (convert.lattice && is_in_time(*convert.lattice)) return convert_in_time(convert, session);
   Dataset dataset = converted(convert, flags, load(convert.data, session), session);
   if (convert.data.time) {

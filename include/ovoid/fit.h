@@ -133,7 +133,9 @@ struct FitStep {
 // What came of it. Errors are those of the field as it is stored, against what it stands for: of a
 // mesh with values at its nodes, interpolation in its cells; of everything else, the field that
 // make_kernel_field() makes of it. They are taken at places that the fit did not see, evenly over
-// the volume, and the greatest also at all it saw; of a lattice at every sample.
+// the domain, and the greatest also at all it saw and beside the worst of them; of a lattice at
+// every sample. A place where what it stands for has a value and the fit has none errs by the
+// values' standard deviation in PSNR, and not in `greatest_error`.
 struct FitReport {
   std::string array;
   std::int64_t source_kernels = 0;  // of a lattice: samples

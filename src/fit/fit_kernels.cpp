@@ -10,12 +10,14 @@
 #include <new>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "data/kernel_shape.h"
 #include "data/parallel.h"
 #include "fit/clusters.h"
 #include "fit/fit_goal.h"
+#include "fit/fit_judge.h"
 #include "fit/fit_places.h"
 #include "fit/refine_kernels.h"
 #include "fit/source_kernels.h"
@@ -50,6 +52,14 @@ constexpr double kSpreadOfSums = 1;
 constexpr double kRise = 1.5, kMostRise = 30;
 constexpr int kMostIdle = 8;
 constexpr double kHardlyAny = 0.02;
+// A bound is kept with a little to spare, for what lies between the places that are looked at;
+// after so many searches without, if that cannot be.
+constexpr double kBoundBetween = 0.98;
+constexpr int kWithMargin = 8;
+// Where the search beside the worst places finds more than that, these places are seen from then
+// on, and the bound of all that are seen is tightened by a factor, down to a share of the bound.
+constexpr double kTighter = 0.97, kTightest = 0.8;
+constexpr int kMostSearches = 40;
 constexpr std::size_t kTestPlaces = 100'000;
 // Places that are seen, for each of the source's kernels, and at least.
 constexpr std::size_t kMostPlacesPerKernel = 3, kLeastSeen = 1 << 17;
@@ -98,6 +108,7 @@ class Fitter {
         dataset, field_, source_,
         {model, options.seed, most_places(), kTestPlaces, threads_, options.stop});
     places_ = place_maker_->make();
+    judge_.emplace(field_, source_, report_.range, threads_, options_.stop);
     report_.places = static_cast<std::int64_t>(places_.seen.count());
     report_.test_places = static_cast<std::int64_t>(places_.unseen.count());
     rule_.shape = options.shape;
@@ -108,9 +119,11 @@ class Fitter {
   KernelField run() {
     Clusters clusters(source_, threads_);
     const Fitted fitted = reach_goal(clusters);
-    report_.greatest_error = errors_at(places_.seen, fitted).greatest;
+    report_.greatest_error = look_for_worst(fitted).greatest_but_for_holes();
     KernelField field = field_of(fitted);
-    report_errors(field);
+    report_.kernels = field.num_kernels();
+    report_.bytes = kernel_file_bytes(field, report_.kernels);
+    judge_->report(field, places_.unseen, report_);
     tell(1);
     return field;
   }
@@ -220,7 +233,7 @@ class Fitter {
   // clusters came to in a round, if that is known.
   Fitted fit_last(Clusters& clusters, std::optional<Fitted> round = {}) {
     Fitted fitted = fit_closely(clusters, std::move(round));
-    const ErrorsAt errors = errors_at(places_.unseen, fitted);
+    const fit::FitJudge::Errors errors = judge_->sum_up(places_.unseen, judged(fitted));
     fitted.step.psnr = psnr_of(report_.range, errors.mean_square);
     fitted.step.greatest_error = errors.greatest;
     report_.steps.back() = fitted.step;
@@ -230,8 +243,11 @@ class Fitter {
   Fitted fit_closely(Clusters& clusters, std::optional<Fitted> round) {
     const auto count = static_cast<double>(clusters.list.size());
     const double per_kernel = std::min(kPlacesPerKernel, most_refined_places() / count);
-    if (options_.refinements == 0 || per_kernel < kLeastPerKernel)
-      return fit(clusters, kAllPlaces, energy);
+    if (options_.refinements == 0 || per_kernel < kLeastPerKernel) {
+      Fitted fitted = fit(clusters, kAllPlaces, energy);
+      close_holes(fitted);
+      return fitted;
+    }
     if (!round) round = fit(clusters, care_of_round(clusters), energy);
     Fitted fitted = std::move(*round);
     if (fitted.step.psnr > kMostRefinedPsnr) return fitted;
@@ -239,34 +255,37 @@ class Fitter {
     for (std::size_t a = 0; a < num_fitted(); ++a) ranges.push_back(range_of(a));
     const Places places =
         place_maker_->make_evenly(fitted.kernels.columns(source_.cutoff), per_kernel);
-    fit::refine_kernels({places, ranges, source_.reconstruction, source_.cutoff, rule_.shape,
-                         options_.refinements, threads_, options_.stop, [&] { tell_step(); }},
-                        fitted.kernels, fitted.values);
+    fit::refine_kernels(
+        {places, ranges, source_.reconstruction, source_.cutoff, rule_.shape, options_.refinements,
+         deviation() * deviation(), threads_, options_.stop, [&] { tell_step(); }},
+        fitted.kernels, fitted.values);
+    close_holes(fitted);
     return fitted;
   }
 
-  struct ErrorsAt {
-    double mean_square = 0, greatest = 0;
-  };
+  // What a hole errs by, as a share of the range.
+  double deviation() const { return judge_->deviation() / range_of(0); }
 
-  // Of the first attribute, where the fitted field is defined.
-  ErrorsAt errors_at(const Places& places, const Fitted& fitted) const {
-    const KernelOperator kernels(fitted.kernels.columns(source_.cutoff), source_.reconstruction,
-                                 places.at, threads_, options_.stop);
-    const std::vector<double> field = kernels.gather(fitted.values[0]);
-    ErrorsAt errors;
-    double share = 0;
-    for (std::size_t k = 0; k < field.size(); ++k) {
-      if (!kernels.is_defined(k)) continue;
-      const double error = std::abs(field[k] - places.targets[0][k]);
-      errors.mean_square += places.shares[k] * error * error;
-      errors.greatest = std::max(errors.greatest, error);
-      share += places.shares[k];
-    }
-    // Nothing to judge by is no success.
-    errors.mean_square =
-        share > 0 ? errors.mean_square / share : std::numeric_limits<double>::infinity();
-    return errors;
+  // Widens kernels beside holes. Values stay if that brings the field nearer to the source: a fit
+  // of values alone, after kernels were refined, has been 3 dB worse. Else they are fitted again.
+  void close_holes(Fitted& fitted) {
+    Fitted closed = fitted;
+    if (!judge_->close_holes(places_.seen, closed.kernels)) return;
+    const auto square = [&](const Fitted& of) {
+      return judge_->sum_up(places_.seen, judged(of)).mean_square;
+    };
+    const double before = square(fitted);
+    if (!(square(closed) < before)) fit_to_places(closed, kAllPlaces, energy);
+    if (square(closed) < before) fitted = std::move(closed);
+  }
+
+  static fit::JudgedKernels judged(const Fitted& fitted) {
+    return {fitted.kernels, fitted.values[0]};
+  }
+
+  fit::FitJudge::Worst look_for_worst(const Fitted& fitted) const {
+    const Places* const all[] = {&places_.seen, &places_.unseen};
+    return judge_->look_for_worst(*place_maker_, all, judged(fitted), options_.seed);
   }
 
   // Rows are there twice while a step is tried.
@@ -297,6 +316,7 @@ class Fitter {
     const KernelOperator kernels(fitted.kernels.columns(source_.cutoff), source_.reconstruction, at,
                                  threads_, options_.stop);
     const std::vector<double> masses = masses_of(fitted.kernels);
+    const std::vector<std::uint32_t> holes = judge_->holes(places_.seen, kernels);
     std::vector<double> energies(count);
     for (std::size_t a = 0; a < num_fitted(); ++a) {
       const std::span<const double> targets = std::span(places_.seen.targets[a]).first(count);
@@ -304,9 +324,10 @@ class Fitter {
           kernels,
           {.targets = targets, .shares = shares, .keeps = masses, .iterations = care.iterations},
           fitted.values[a], options_.stop);
-      add_residuals(kernels, a, blame, energies, fitted);
+      add_residuals(kernels, a, holes, energies, fitted, blame);
     }
     fitted.energies = kernels.splat(energies);
+    blame_for_holes(holes, energies, fitted);
     fitted.step.kernels = static_cast<std::int64_t>(fitted.kernels.weights.size());
     report_.steps.push_back(fitted.step);
   }
@@ -320,25 +341,38 @@ class Fitter {
   }
 
   template <class Blame>
-  void add_residuals(const KernelOperator& kernels, std::size_t attribute, const Blame& blame,
-                     std::vector<double>& energies, Fitted& fitted) const {
+  void add_residuals(const KernelOperator& kernels, std::size_t attribute,
+                     const std::vector<std::uint32_t>& holes, std::vector<double>& energies,
+                     Fitted& fitted, const Blame& blame) const {
     const Places& places = places_.seen;
-    const std::vector<double> field = kernels.gather(fitted.values[attribute]);
     const double range = range_of(attribute);
+    std::vector<double> residuals = kernels.gather(fitted.values[attribute]);
     double square = 0, share = 0, greatest = 0;
-    if (attribute == 0) fitted.residuals.resize(field.size());
-    for (std::size_t k = 0; k < field.size(); ++k) {
-      const double residual = kernels.is_defined(k) ? places.targets[attribute][k] - field[k] : 0;
-      const double relative = residual / range;
-      energies[k] += blame(relative, places.shares[k]);
-      square += places.shares[k] * residual * residual;
+    for (std::size_t k = 0; k < residuals.size(); ++k) {
+      residuals[k] = kernels.is_defined(k) ? places.targets[attribute][k] - residuals[k] : 0;
+      greatest = std::max(greatest, std::abs(residuals[k]));
+    }
+    // A hole in another attribute errs by the same share of that attribute's range.
+    for (const std::uint32_t hole : holes) residuals[hole] = deviation() * range;
+    for (std::size_t k = 0; k < residuals.size(); ++k) {
+      energies[k] += blame(residuals[k] / range, places.shares[k]);
+      square += places.shares[k] * residuals[k] * residuals[k];
       share += places.shares[k];
-      greatest = std::max(greatest, std::abs(residual));
-      if (attribute == 0) fitted.residuals[k] = residual;
     }
     if (attribute != 0) return;
     fitted.step.psnr = psnr_of(report_.range, square / share);
     fitted.step.greatest_error = greatest;
+    fitted.residuals = std::move(residuals);
+  }
+
+  // No kernel reaches a hole, so the nearest one is to blame.
+  void blame_for_holes(const std::vector<std::uint32_t>& holes, const std::vector<double>& energies,
+                       Fitted& fitted) const {
+    if (holes.empty()) return;
+    const auto owners = judge_->owners_of_holes(places_.seen, holes, fitted.kernels);
+    for (std::size_t i = 0; i < holes.size(); ++i) {
+      if (owners[i] != fit::kNoSite) fitted.energies[owners[i]] += energies[holes[i]];
+    }
   }
 
   static double energy(double residual, double share) { return share * residual * residual; }
@@ -419,6 +453,7 @@ class Fitter {
     start(clusters, std::min(all(), kFirstKernels));
     double inner = tolerance;  // of the places that the fit sees
     double least = std::numeric_limits<double>::infinity();
+    int searches = 0;
     // All places count alike, and those beyond the bound more each time: sums of squares alone
     // would leave single large errors.
     even_ = 1 / static_cast<double>(places_.seen.count());
@@ -433,10 +468,15 @@ class Fitter {
       Fitted fitted = fit(clusters, care_of_round(clusters), excess);
       if (fitted.step.greatest_error <= tolerance) fitted = fit(clusters, kAllPlaces, excess);
       if (fitted.step.greatest_error <= tolerance) {
-        const double unseen = errors_at(places_.unseen, fitted).greatest;
-        if (unseen <= tolerance) return fitted;
-        least = std::min(least, unseen);
-        inner = std::min(inner, std::max(0.5 * inner, inner * 0.95 * tolerance / unseen));
+        close_holes(fitted);
+        const fit::FitJudge::Worst worst = look_for_worst(fitted);
+        const double enough = searches < kWithMargin ? kBoundBetween * tolerance : tolerance;
+        if (worst.greatest() <= enough) return fitted;
+        least = std::min(least, worst.greatest());
+        inner = std::max(kTightest * tolerance, kTighter * inner);
+        see_also(worst, bound);
+        idle = 0;
+        if (++searches < kMostSearches) continue;
       }
       raise_shares(fitted, bound);
       const std::size_t before = clusters.list.size();
@@ -446,12 +486,22 @@ class Fitter {
       tell_growth(clusters);
     }
     const Fitted last = fit(clusters, kAllPlaces, energy);
-    least = std::min(least,
-                     std::max(last.step.greatest_error, errors_at(places_.unseen, last).greatest));
-    refuse_fit(
-        fmt::format("tolerance = {:g}: {} of {} kernels leave a greatest error of {:g}, and "
-                    "more would not help",
-                    tolerance, clusters.list.size(), all(), least));
+    least = std::min(least, look_for_worst(last).greatest());
+    const std::string left = std::isfinite(least) ? fmt::format("a greatest error of {:g}", least)
+                                                  : "places without a value";
+    refuse_fit(fmt::format("tolerance = {:g}: {} of {} kernels leave {}, and more would not help",
+                           tolerance, clusters.list.size(), all(), left));
+  }
+
+  // Puts the worst places first among those that every round looks at.
+  void see_also(const fit::FitJudge::Worst& worst, double bound) {
+    Places seen;
+    seen.targets.resize(places_.seen.targets.size());
+    for (std::size_t i = 0; i < worst.errors.size() && worst.errors[i] > bound; ++i)
+      seen.append(worst.places, i, even_);
+    for (std::size_t i = 0; i < places_.seen.count(); ++i)
+      seen.append(places_.seen, i, places_.seen.shares[i]);
+    places_.seen = std::move(seen);
   }
 
   void raise_shares(const Fitted& fitted, double bound) {
@@ -472,78 +522,6 @@ class Fitter {
             values.size() > 1 ? 1 : -1};
   }
 
-  struct Sampled {
-    std::vector<KernelSample> samples;
-    bool is_sum = false;
-    bool is_defined(std::size_t i) const { return is_sum || samples[i].is_defined; }
-  };
-
-  Sampled sampled(const KernelField& field, const std::vector<double>& at) const {
-    const KernelSampler sampler(field);
-    Sampled result{std::vector<KernelSample>(at.size() / 3),
-                   field.reconstruction() == Reconstruction::kSum};
-    data::parallel_ranges(
-        {static_cast<std::int64_t>(result.samples.size()), 256, threads_, options_.stop},
-        [&](std::int64_t begin, std::int64_t end) {
-          for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-            result.samples[i] = sampler.at(Vec3(at.data() + 3 * i));
-        });
-    return result;
-  }
-
-  void report_errors(const KernelField& field) {
-    report_.kernels = field.num_kernels();
-    report_.bytes = kernel_file_bytes(field, report_.kernels);
-    const Places& places = places_.unseen;
-    const Sampled ours = sampled(field, places.at), theirs = sampled(field_, places.at);
-    double square = 0, count = 0, square_nonempty = 0, nonempty = 0, square_source = 0;
-    const double empty = static_cast<double>(field_.value_range().lo) + 1e-3 * report_.range;
-    for (std::size_t k = 0; k < places.count(); ++k) {
-      const double target = places.targets[0][k];
-      if (!theirs.is_defined(k)) continue;
-      if (!ours.is_defined(k)) {
-        report_.wrongly_empty += 1;
-        continue;
-      }
-      const double error = ours.samples[k].value - target;
-      const double of_source = theirs.samples[k].value - target;
-      report_.greatest_error = std::max(report_.greatest_error, std::abs(error));
-      square += error * error;
-      square_source += of_source * of_source;
-      count += 1;
-      if (target <= empty) continue;
-      square_nonempty += error * error;
-      nonempty += 1;
-    }
-    report_.wrongly_empty /= std::max(1.0, count + report_.wrongly_empty);
-    report_.psnr = psnr_of(report_.range, square / std::max(1.0, count));
-    report_.psnr_of_nonempty = psnr_of(report_.range, square_nonempty / std::max(1.0, nonempty));
-    report_.source_psnr = psnr_of(report_.range, square_source / std::max(1.0, count));
-    report_full(field);
-  }
-
-  // At the nodes of a lattice over the bounding box.
-  void report_full(const KernelField& field) {
-    if (field.reconstruction() == Reconstruction::kSum) return;
-    constexpr int kSide = 32;
-    const Bounds3 bounds = field_.world_bounds();
-    std::vector<double> at;
-    for (int k = 0; k < kSide; ++k) {
-      for (int j = 0; j < kSide; ++j) {
-        for (int i = 0; i < kSide; ++i) {
-          const Vec3 share = (Vec3(i, j, k) + Vec3::Constant(0.5)) / kSide;
-          const Vec3 place = bounds.min() + share.cwiseProduct(bounds.sizes());
-          at.insert(at.end(), {place[0], place[1], place[2]});
-        }
-      }
-    }
-    const Sampled ours = sampled(field, at), theirs = sampled(field_, at);
-    for (std::size_t i = 0; i < ours.samples.size(); ++i) {
-      if (ours.samples[i].is_defined && !theirs.samples[i].is_defined) report_.wrongly_full += 1;
-    }
-    report_.wrongly_full /= static_cast<double>(ours.samples.size());
-  }
-
   const FitOptions& options_;
   FitReport& report_;
   int threads_ = 1;
@@ -553,6 +531,7 @@ class Fitter {
   KernelField field_;
   SourceKernels source_;
   std::unique_ptr<fit::PlaceMaker> place_maker_;
+  std::optional<fit::FitJudge> judge_;
   FitPlaces places_;
 };
 

@@ -175,6 +175,87 @@ TEST(FitKernels, ParticlesAndDensities) {
   EXPECT_NEAR(mass, whole, 0.002 * whole);
 }
 
+struct Scattered {
+  Dataset particles;
+  std::vector<Vec3> places;  // anywhere among them, also in gaps
+};
+
+Scattered scattered_bump() {
+  model::Random random(6);
+  const auto anywhere = [&](double margin) {
+    return Vec3(random.uniform(margin, 10 - margin), random.uniform(margin, 10 - margin),
+                random.uniform(margin, 10 - margin));
+  };
+  std::vector<Vec3> points;
+  std::vector<float> values;
+  for (int i = 0; i < 3000; ++i) {
+    points.push_back(anywhere(0));
+    values.push_back(static_cast<float>(bump(points.back())));
+  }
+  Scattered data{model::points_dataset(DatasetKind::kParticles, points, values), {}};
+  for (int i = 0; i < 20'000; ++i) data.places.push_back(anywhere(0));
+  return data;
+}
+
+// Fails if errors in the gaps between scattered places are not told: they are the greatest.
+TEST(FitKernels, PsnrIsThatOfTheWholeDomain) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  const Scattered data = scattered_bump();
+  FitReport report;
+  const KernelField field = fit_kernels(data.particles, with_kernels(200), &report);
+  const KernelField all = make_kernel_field(data.particles);
+  const KernelSampler fitted(field), source(all);
+  double square = 0, count = 0;
+  for (const Vec3& place : data.places) {
+    if (!source.at(place).is_defined) continue;
+    const double error = fitted.at(place).value - source.at(place).value;
+    square += error * error;
+    count += 1;
+  }
+  EXPECT_NEAR(report.psnr, 20 * std::log10(report.range / std::sqrt(square / count)), 0.5);
+}
+
+// Fails if a bound is broken anywhere between scattered places.
+TEST(FitKernels, ToleranceHoldsInGaps) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  const Scattered data = scattered_bump();
+  FitOptions options;
+  options.tolerance = 0.08;
+  FitReport report;
+  const KernelField field = fit_kernels(data.particles, options, &report);
+  EXPECT_LE(report.greatest_error, 0.08);
+  EXPECT_LT(field.num_kernels(), 2700);
+  const KernelField all = make_kernel_field(data.particles);
+  const KernelSampler fitted(field), source(all);
+  double greatest = 0;
+  for (const Vec3& place : data.places) {
+    if (!source.at(place).is_defined) continue;
+    ASSERT_TRUE(fitted.at(place).is_defined);
+    const double error = fitted.at(place).value - source.at(place).value;
+    greatest = std::max(greatest, static_cast<double>(std::abs(error)));
+  }
+  EXPECT_LE(greatest, 0.08);
+}
+
+// Balls of long cells leave places between them without a value, unless they are made wider.
+TEST(FitKernels, BallsLeaveNoHoles) {
+  OVOID_NOT_UNDER_ASAN();
+  OVOID_NOT_UNDER_TSAN();
+  Dataset mesh = jittered_grid({12, 12, 12}, bump);
+  std::vector<double> places;
+  const auto* const at = reinterpret_cast<const double*>(mesh.positions.bytes.view.data());
+  for (std::int64_t i = 0; i < 3 * mesh.num_positions(); ++i)
+    places.push_back(i % 3 == 2 ? 12 * at[i] : at[i]);
+  mesh.positions = model::array_of_numbers("positions", 3, std::move(places));
+  FitOptions options = with_kernels(170);
+  options.shape = KernelShape::kBalls;
+  FitReport report;
+  fit_kernels(mesh, options, &report);
+  EXPECT_LT(report.wrongly_empty, 1e-4);
+}
+
 TEST(FitKernels, ThreadsLeaveNoTrace) {
   OVOID_NOT_UNDER_ASAN();
   const Dataset mesh = jittered_grid({10, 10, 10}, bump);

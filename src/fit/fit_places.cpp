@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -20,9 +19,14 @@ constexpr std::int64_t kPlaceGrain = 1024;
 // Random places near a kernel are within so many sigmas: neighbours' centres are about two away. Of
 // a sum every second one is further off, where it fades and a wider kernel would not.
 constexpr double kNearSigmas = 1.5, kFarSigmas = 6;
+// The domain of a sum ends that many times a kernel's cutoff away from it: a fitted kernel must not
+// reach beyond the source's unseen.
+constexpr double kReachOfSums = 1.5;
+// Places whose kernels are counted together: the rows of all would take gigabytes.
+constexpr std::size_t kCountedTogether = 1 << 13;
 constexpr std::uint32_t kNoKernel = std::numeric_limits<std::uint32_t>::max();
 // Make other random numbers of the same seed.
-constexpr std::uint64_t kUnseenSeed = 0x5DEECE66D, kEvenSeed = 0xB5297A4D;
+constexpr std::uint64_t kUnseenSeed = 0x5DEECE66D, kEvenSeed = 0xB5297A4D, kDomainSeed = 0x9E3779B9;
 
 using CornerShares = std::array<double, 8>;
 
@@ -157,6 +161,7 @@ class MeshValues {
     }
     places.at.insert(places.at.end(), {at[0], at[1], at[2]});
     places.shares.push_back(share);
+    places.sites.push_back(static_cast<std::uint32_t>(i));
     for (std::size_t a = 0; a < places.targets.size(); ++a) places.targets[a].push_back(values[a]);
   }
 
@@ -172,6 +177,7 @@ class MeshValues {
 void append_centers(const SourceKernels& kernels, double share, Places& places) {
   places.at = kernels.centers;
   for (const double volume : kernels.volumes) places.shares.push_back(share * volume);
+  places.sites.assign(kernels.count(), kNoSite);
   for (std::size_t a = 0; a < places.targets.size(); ++a)
     places.targets[a].assign(kernels.values[a].begin(), kernels.values[a].end());
 }
@@ -188,14 +194,25 @@ std::vector<std::uint32_t> greatest_at(const KernelOperator& kernels) {
   return greatest;
 }
 
-Vec3 random_near(const SourceKernels& kernels, std::size_t i, model::Random& random) {
-  const bool is_far = kernels.reconstruction == Reconstruction::kSum && (random.next() & 1) != 0;
-  const double sigmas = is_far ? kFarSigmas : kNearSigmas;
+// Evenly within so many sigmas of a kernel, from its centre.
+Vec3 random_offset(const SourceKernels& kernels, std::size_t i, double sigmas,
+                   model::Random& random) {
   Vec3 at;
   do {
     for (int a = 0; a < 3; ++a) at[a] = random.uniform(-1, 1);
   } while (at.squaredNorm() > 1);
-  return kernels.center(i) + sigmas * (kernels.factor(i) * at);
+  return sigmas * (kernels.factor(i) * at);
+}
+
+Vec3 random_near(const SourceKernels& kernels, std::size_t i, model::Random& random) {
+  const bool is_far = kernels.reconstruction == Reconstruction::kSum && (random.next() & 1) != 0;
+  return kernels.center(i) + random_offset(kernels, i, is_far ? kFarSigmas : kNearSigmas, random);
+}
+
+// A number by its weight, where sums[i] are those of the weights up to i's.
+std::size_t random_by_weight(const std::vector<double>& sums, model::Random& random) {
+  const auto found = std::upper_bound(sums.begin(), sums.end(), random.uniform(0, sums.back()));
+  return std::min(static_cast<std::size_t>(found - sums.begin()), sums.size() - 1);
 }
 
 // Fills targets with the field's values; leaves out places where it is not defined.
@@ -214,12 +231,14 @@ void sample_field(const KernelField& field, const PlaceOptions& options, Places&
     if (!samples[i].is_defined && !is_sum) continue;
     std::copy_n(places.at.begin() + static_cast<std::ptrdiff_t>(3 * i), 3,
                 places.at.begin() + static_cast<std::ptrdiff_t>(3 * kept));
+    places.sites[kept] = places.sites[i];
     places.shares[kept++] = places.shares[i];
     places.targets[0].push_back(samples[i].value);
     if (places.targets.size() > 1) places.targets[1].push_back(samples[i].color_value);
   }
   places.at.resize(3 * kept);
   places.shares.resize(kept);
+  places.sites.resize(kept);
 }
 
 // Cells, in which values are interpolated.
@@ -238,6 +257,21 @@ class PlacesInMesh final : public PlaceMaker {
   void append_random(std::size_t site, double share, model::Random& random,
                      Places& places) const override {
     mesh_.append_random(site, share, random, places);
+  }
+  void append_beside(std::size_t site, const Vec3& /*at*/, double /*sigmas*/, model::Random& random,
+                     Places& places) const override {
+    mesh_.append_random(site, 1, random, places);
+  }
+
+  Places unseen() const override {
+    Places places = empty();
+    std::vector<double> volumes(mesh_.count());
+    double whole = 0;
+    for (std::size_t i = 0; i < volumes.size(); ++i) volumes[i] = whole += mesh_.volume(i);
+    model::Random random(options_.seed ^ kUnseenSeed);
+    for (std::size_t t = 0; t < options_.test; ++t)
+      mesh_.append_random(random_by_weight(volumes, random), 1, random, places);
+    return places;
   }
 
   Places seen() const override {
@@ -268,7 +302,9 @@ class PlacesNearKernels final : public PlaceMaker {
  public:
   PlacesNearKernels(const KernelField& field, const SourceKernels& kernels,
                     const PlaceOptions& options)
-      : PlaceMaker(kernels, options), field_(field) {}
+      : PlaceMaker(kernels, options), field_(field) {
+    for (std::size_t i = 0; i < kernels.count(); ++i) box_.extend(kernels.center(i));
+  }
 
  private:
   std::size_t num_sites() const override { return kernels_.count(); }
@@ -276,13 +312,65 @@ class PlacesNearKernels final : public PlaceMaker {
   Vec3 middle(std::size_t site) const override { return kernels_.center(site); }
   void append_random(std::size_t site, double share, model::Random& random,
                      Places& places) const override {
-    append(random_near(kernels_, site, random), share, places);
+    append(site, random_near(kernels_, site, random), share, places);
+  }
+  void append_beside(std::size_t site, const Vec3& at, double sigmas, model::Random& random,
+                     Places& places) const override {
+    append(site, at + random_offset(kernels_, site, sigmas, random), 1, places);
   }
   void fill(Places& places) const override { sample_field(field_, options_, places); }
 
-  static void append(const Vec3& at, double share, Places& places) {
+  static void append(std::size_t site, const Vec3& at, double share, Places& places) {
     places.at.insert(places.at.end(), {at[0], at[1], at[2]});
     places.shares.push_back(share);
+    places.sites.push_back(static_cast<std::uint32_t>(site));
+  }
+
+  Places unseen() const override { return over_domain(options_.test, kUnseenSeed); }
+
+  // Random places wherever a kernel reaches, gaps between kernels included. A kernel is drawn by
+  // its volume and a place within its reach: so a place is as likely as kernels reach it, and its
+  // share is one over their number. Targets are left out; shares add up to 1.
+  Places over_domain(std::size_t count, std::uint64_t seed) const {
+    Places places = empty();
+    model::Random random(options_.seed ^ seed);
+    KernelColumns columns = kernels_.columns();
+    if (kernels_.reconstruction == Reconstruction::kSum)
+      columns.cutoff = std::min(kReachOfSums * columns.cutoff, KernelColumns::kMaxCutoff);
+    std::vector<double> volumes(kernels_.count());
+    double whole = 0;
+    for (std::size_t i = 0; i < volumes.size(); ++i) volumes[i] = whole += kernels_.det(i);
+    while (places.count() < count) {
+      const std::size_t i = random_by_weight(volumes, random);
+      const Vec3 at = kernels_.center(i) + random_offset(kernels_, i, columns.cutoff, random);
+      if (is_in_domain(i, at, columns.cutoff)) append(i, at, 1, places);
+    }
+    double shares = 0;
+    for (std::size_t first = 0; first < count; first += kCountedTogether) {
+      const std::size_t number = std::min(kCountedTogether, count - first);
+      const KernelOperator reaching(columns, Reconstruction::kSum,
+                                    std::span(places.at).subspan(3 * first, 3 * number),
+                                    options_.threads, options_.stop);
+      for (std::size_t r = 0; r < number; ++r) {
+        const KernelOperator::Row row = reaching.row(r);
+        const auto kernels = std::max<std::size_t>(row.kernels.size(), 1);
+        shares += places.shares[first + row.place] = 1 / static_cast<double>(kernels);
+      }
+    }
+    for (double& share : places.shares) share /= shares;
+    return places;
+  }
+
+  // Means end at the box of the centres, behind which kernels only go on with what they have
+  // inside. Along an axis on which the box is flat there is no end.
+  bool is_in_domain(std::size_t i, const Vec3& at, double sigmas) const {
+    if (kernels_.reconstruction == Reconstruction::kSum) return true;
+    const Vec3 extents = sigmas * kernels_.factor(i).rowwise().norm();
+    for (int a = 0; a < 3; ++a) {
+      if (box_.sizes()[a] > extents[a] && (at[a] < box_.min()[a] || at[a] > box_.max()[a]))
+        return false;
+    }
+    return true;
   }
 
   Places seen() const override {
@@ -292,17 +380,22 @@ class PlacesNearKernels final : public PlaceMaker {
     const std::size_t every =
         std::max<std::size_t>(1, 2 * count / std::max<std::size_t>(options_.most, 1));
     const std::size_t near = std::max<std::size_t>(2, options_.most / count) - 1;
+    double whole = 0;
     for (std::size_t i = 0; i < count; i += every) {
       const double share = 0.5 * kernels_.volumes[i] * static_cast<double>(every);
-      append(kernels_.center(i), share, places);
+      append(i, kernels_.center(i), share, places);
       for (std::size_t n = 0; n < near; ++n)
-        append(random_near(kernels_, i, random), share / static_cast<double>(near), places);
+        append(i, random_near(kernels_, i, random), share / static_cast<double>(near), places);
+      whole += 2 * share;
     }
+    const Places more = over_domain(places.count() / 2, kDomainSeed);
+    for (std::size_t n = 0; n < more.count(); ++n) places.append(more, n, whole * more.shares[n]);
     fill(places);
     return places;
   }
 
   const KernelField& field_;
+  Bounds3 box_;  // of the centres
 };
 
 // In random order, so that the first of them are as even as all; shares of the whole, so that what
@@ -316,17 +409,21 @@ Places finished(std::uint64_t seed, const Places& from) {
   for (const double share : from.shares) whole += share;
   Places places;
   places.targets.resize(from.targets.size());
-  for (const std::uint32_t i : order) {
-    const double* const at = from.at.data() + std::size_t{3} * i;
-    places.at.insert(places.at.end(), at, at + 3);
-    places.shares.push_back(from.shares[i] / whole);
-    for (std::size_t a = 0; a < from.targets.size(); ++a)
-      places.targets[a].push_back(from.targets[a][i]);
-  }
+  for (const std::uint32_t i : order) places.append(from, i, from.shares[i] / whole);
   return places;
 }
 
 }  // namespace
+
+void Places::append(const Places& from, std::size_t index, double share) {
+  const double* const place = from.at.data() + 3 * index;
+  at.insert(at.end(), place, place + 3);
+  shares.push_back(share);
+  sites.push_back(from.sites[index]);
+  for (std::size_t a = 0; a < from.targets.size(); ++a) {
+    if (!from.targets[a].empty()) targets[a].push_back(from.targets[a][index]);
+  }
+}
 
 Places PlaceMaker::empty() const {
   Places places;
@@ -335,18 +432,20 @@ Places PlaceMaker::empty() const {
 }
 
 FitPlaces PlaceMaker::make() const {
-  Places unseen = empty();
-  std::vector<double> up_to(num_sites());
-  double whole = 0;
-  for (std::size_t i = 0; i < up_to.size(); ++i) up_to[i] = whole += volume(i);
-  model::Random random(options_.seed ^ kUnseenSeed);
-  for (std::size_t t = 0; t < options_.test && !up_to.empty(); ++t) {
-    const auto found = std::upper_bound(up_to.begin(), up_to.end(), random.uniform(0, whole));
-    append_random(std::min(static_cast<std::size_t>(found - up_to.begin()), up_to.size() - 1), 1,
-                  random, unseen);
+  Places test = unseen();
+  fill(test);
+  return {finished(options_.seed, seen()), finished(options_.seed, test)};
+}
+
+Places PlaceMaker::make_beside(const Places& places, double sigmas, std::uint64_t seed) const {
+  Places beside = empty();
+  model::Random random(seed);
+  for (std::size_t n = 0; n < places.count(); ++n) {
+    if (places.sites[n] == kNoSite) continue;
+    append_beside(places.sites[n], Vec3(places.at.data() + 3 * n), sigmas, random, beside);
   }
-  fill(unseen);
-  return {finished(options_.seed, seen()), finished(options_.seed, unseen)};
+  fill(beside);
+  return beside;
 }
 
 Places PlaceMaker::make_evenly(const KernelColumns& kernels, double per_kernel) const {

@@ -26,8 +26,6 @@ constexpr double kMostMove = 0.4;
 constexpr std::size_t kPlacesPerTest = 5;
 // A step is tried whole, then halved so many times.
 constexpr int kMostHalves = 4;
-// What a place counts that no kernel reaches, in mean squared errors.
-constexpr double kSquareOfHole = 100;
 // Steps end that lessen the sum of squares by less.
 constexpr double kLeastGain = 0.01;
 
@@ -41,8 +39,8 @@ struct Seen {
   FieldSlope slope;
   std::vector<double> misfit;  // laid out as the slope's field; 0 where a place has no row
   // Of the places that stay out of the fit: the sum of squares, weighted by shares; the shares of
-  // those that have a row, and of those that have none.
-  double square = 0, share = 0, holes = 0;
+  // those that have no row.
+  double square = 0, holes = 0;
 };
 
 class Refiner {
@@ -60,14 +58,13 @@ class Refiner {
     State state{std::move(kernels), std::move(values)};
     Seen now = look(state);
     for (int step = 0; step < problem_.steps; ++step) {
-      const double of_hole = kSquareOfHole * now.square / std::max(1e-300, now.share);
-      const double before = now.square + of_hole * now.holes;
+      const double before = now.square + problem_.square_of_hole * now.holes;
       const std::vector<double> change = change_for(state, now);
       double after = before;
       for (int half = 0; half <= kMostHalves && after == before; ++half) {
         State next = moved(state, change, std::exp2(-half));
         Seen then = look(next);
-        const double sum = then.square + of_hole * then.holes;
+        const double sum = then.square + problem_.square_of_hole * then.holes;
         if (!(sum < before)) continue;
         after = sum;
         state = std::move(next);
@@ -97,7 +94,6 @@ class Refiner {
         seen.holes += share;
         continue;
       }
-      seen.share += share;
       for (std::size_t a = 0; a < num_attributes_; ++a) {
         double& misfit = seen.misfit[k * num_attributes_ + a];
         misfit = problem_.places.targets[a][k] / problem_.ranges[a] -

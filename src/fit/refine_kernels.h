@@ -19,6 +19,8 @@ struct RefineProblem {
   double cutoff = 4;
   KernelShape shape = KernelShape::kEllipsoids;
   int steps = 0;  // at most
+  // What a place counts that no kernel reaches, as a mean square in units of the ranges.
+  double square_of_hole = 1;
   int threads = 1;
   std::stop_token stop{};
   std::function<void()> step_done{};

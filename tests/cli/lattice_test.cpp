@@ -69,6 +69,36 @@ TEST(Lattices, InTimeAreCutAnywhere) {
   expect_failure({"render", steps, "--time", "nan", "-o", folder / "a.png"}, 2, {"--time"});
 }
 
+// Fails if a lattice in time loses steps or samples when its samples are stored as runs.
+TEST(Lattices, InTimeAreStoredAsRuns) {
+  if (!has_hdf5()) GTEST_SKIP() << "no HDF5";
+  const Folder folder;
+  const std::string halves = folder / "d.h5";
+  expect_success(
+      {"make", "tornado", "--size", "12", "--steps", "5", "--lattice", "d4star", "-o", halves});
+  const auto picture = [&](const std::string& path, const Words& when) {
+    Words words{"render", path, "--range", "0:1", "-o", folder / "a.npy", "--size", "24x20"};
+    words.insert(words.end(), when.begin(), when.end());
+    expect_success(words);
+    return read_file(folder / "a.npy");
+  };
+  for (const Words& how : {Words{}, Words{"--lattice", "d4star"}}) {
+    const std::string runs = folder / "r.h5";
+    Words words{"convert", halves, "--relevant-above", "-1", "-o", runs};
+    words.insert(words.end(), how.begin(), how.end());
+    expect_success(words);
+    EXPECT_EQ(facts_of(runs)["steps"], 6);
+    EXPECT_EQ(facts_of(runs)["times"], facts_of(halves)["times"]);
+    EXPECT_EQ(facts_of(runs)["lattice"], "body-centred");
+    for (const Words& when : {Words{"--time", "2.3"}, Words{"--step", "3"}})
+      EXPECT_EQ(picture(runs, when), picture(halves, when)) << when[1];
+  }
+  const std::string few = folder / "f.h5";
+  expect_success({"convert", halves, "--relevant-above", "0.3", "-o", few});
+  EXPECT_EQ(facts_of(few)["steps"], 6);
+  EXPECT_NE(picture(few, {"--time", "2.3"}), picture(halves, {"--time", "2.3"}));
+}
+
 // Fails if a flag that cannot be obeyed is passed over, or something is written all the same.
 TEST(Lattices, WhatCannotBeIsRefused) {
   const Folder folder;

@@ -77,7 +77,7 @@ TEST(Lattices, InTimeAreStoredAsRuns) {
   expect_success(
       {"make", "tornado", "--size", "12", "--steps", "5", "--lattice", "d4star", "-o", halves});
   const auto picture = [&](const std::string& path, const Words& when) {
-    Words words{"render", path, "--range", "0:1", "-o", folder / "a.npy", "--size", "24x20"};
+    Words words{"render", path, "--range", "0,1", "-o", folder / "a.npy", "--size", "24x20"};
     words.insert(words.end(), when.begin(), when.end());
     expect_success(words);
     return read_file(folder / "a.npy");

@@ -65,11 +65,19 @@ void write_relevant(const ConvertFlags& convert, const Dataset& dataset, Session
   note_relevant(convert.output, writer.counts(), session);
 }
 
-// All steps of a lattice in space and time as they are, if the input is one that needs no
-// resampling: only the way in which its samples are stored changes.
-bool write_same_steps(const ConvertFlags& convert, Session& session) {
-  if (convert.data.step || convert.data.time || convert.lattice_spacing != 1.0) return false;
-  if (convert.lattice && *convert.lattice != TargetLattice::kD4Star) return false;
+// True if nothing but the way in which samples are stored is to change. Only Ovoid's own files hold
+// staggered steps.
+bool may_keep_steps(const ConvertFlags& convert) {
+  const DataFlags& data = convert.data;
+  const bool is_same_lattice = !convert.lattice || (*convert.lattice == TargetLattice::kD4Star &&
+                                                    convert.lattice_spacing == 1.0);
+  return keeps_relevant(convert) && is_same_lattice && !convert.size.is_given() &&
+         !convert.as_kernels && !data.step && !data.time && !data.slice.plane &&
+         data.inputs.size() == 1 && has_ending(data.inputs.front(), ".h5");
+}
+
+// Writes all steps of a D4* lattice as they are. False if the input is none.
+bool write_staggered_steps(const ConvertFlags& convert, Session& session) {
   const Series series = open_series(convert.data, session);
   if (series.source().kind() != SeriesKind::kStaggered) return false;
   write_steps(series.source(), convert.output, relevant_of(convert), session);
@@ -122,7 +130,7 @@ void run_convert(const Words& words, Session& session) {
   }
   check_volume_output("--output", output);
   take_from_model(&convert.data, &convert.model);
-  if (keeps_relevant(convert) && write_same_steps(convert, session)) return;
+  if (may_keep_steps(convert) && write_staggered_steps(convert, session)) return;
   if (convert.lattice && is_in_time(*convert.lattice)) return convert_in_time(convert, session);
   Dataset dataset = converted(convert, flags, load(convert.data, session), session);
   if (convert.data.time) {

@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
-#include "data/parallel.h"
 #include "fit/fit_goal.h"
 
 namespace ovoid::fit {
@@ -52,12 +50,6 @@ FitJudge::FitJudge(const KernelField& field, const SourceKernels& source, double
   deviation_ = std::sqrt(square / whole);
 }
 
-double FitJudge::Worst::greatest_but_for_holes() const {
-  const auto found =
-      std::ranges::find_if(errors, [](double error) { return std::isfinite(error); });
-  return found != errors.end() ? *found : 0;
-}
-
 std::vector<std::uint32_t> FitJudge::holes(const Places& places, const KernelOperator& rows) const {
   std::vector<std::uint32_t> empty;
   if (is_sum()) return empty;
@@ -90,40 +82,23 @@ std::vector<std::uint32_t> FitJudge::owners_of_holes(const Places& places,
 }
 
 bool FitJudge::close_holes(const Places& places, MergedKernels& kernels) const {
-  if (is_sum()) return false;
-  Places open;
+  Places open;  // the places that were holes the last time
   open.at = places.at;
-  bool is_changed = false;
-  for (int pass = 0; pass <= kMostWidenings; ++pass) {
+  for (int pass = 0;; ++pass) {
     const KernelOperator rows(kernels.columns(source_.cutoff), source_.reconstruction, open.at,
                               threads_, stop_);
-    std::vector<std::uint32_t> empty;
-    for (std::uint32_t k = 0; k < rows.num_places(); ++k) {
-      if (!rows.is_defined(k)) empty.push_back(k);
-    }
-    open.at = places_at(open, empty);
-    if (pass == 0) {
-      const std::vector<KernelSample> samples = sampled(field_, open.at);
-      std::vector<std::uint32_t> full;
-      for (std::uint32_t k = 0; k < samples.size(); ++k) {
-        if (samples[k].is_defined) full.push_back(k);
-      }
-      open.at = places_at(open, full);
-    }
-    if (open.at.empty() || pass == kMostWidenings) break;
-    is_changed = true;
-    std::vector<std::uint32_t> all(open.at.size() / 3);
-    std::iota(all.begin(), all.end(), 0U);
-    std::vector<std::uint32_t> owners = owners_of_holes(open, all, kernels);
+    const std::vector<std::uint32_t> found = holes(open, rows);
+    if (found.empty() || pass == kMostWidenings) return pass > 0;
+    std::vector<std::uint32_t> owners = owners_of_holes(open, found, kernels);
     std::ranges::sort(owners);
     owners.erase(std::ranges::unique(owners).begin(), owners.end());
-    for (const std::uint32_t owner : owners) {
+    for (const std::size_t owner : owners) {
       if (owner == kNoSite) continue;
       kernels.weights[owner] *= kWidening;
-      for (int n = 0; n < 6; ++n) kernels.shapes[6 * owner + n] *= kWidening;
+      for (std::size_t n = 0; n < 6; ++n) kernels.shapes[6 * owner + n] *= kWidening;
     }
+    open.at = places_at(open, found);
   }
-  return is_changed;
 }
 
 std::vector<double> FitJudge::errors(const Places& places, const JudgedKernels& fitted) const {
@@ -181,8 +156,13 @@ FitJudge::Worst FitJudge::look_for_worst(const PlaceMaker& maker,
                                          const JudgedKernels& fitted, std::uint64_t seed) const {
   Worst worst;
   worst.places.targets.resize(source_.values.size());
+  double greatest = 0;
   const auto add = [&](const Places& more) {
-    Worst both = worst_of(more, errors(more, fitted));
+    const std::vector<double> of_more = errors(more, fitted);
+    for (const double error : of_more) {
+      if (std::isfinite(error)) greatest = std::max(greatest, error);
+    }
+    Worst both = worst_of(more, of_more);
     for (std::size_t i = 0; i < worst.errors.size(); ++i) {
       both.places.append(worst.places, i, worst.places.shares[i]);
       both.errors.push_back(worst.errors[i]);
@@ -193,20 +173,8 @@ FitJudge::Worst FitJudge::look_for_worst(const PlaceMaker& maker,
   for (const double sigmas : kSigmasBeside) {
     for (int n = 0; n < kLooksBeside; ++n) add(maker.make_beside(worst.places, sigmas, ++seed));
   }
+  worst.greatest_but_for_holes = greatest;
   return worst;
-}
-
-std::vector<KernelSample> FitJudge::sampled(const KernelField& field,
-                                            std::span<const double> at) const {
-  const KernelSampler sampler(field);
-  std::vector<KernelSample> samples(at.size() / 3);
-  data::parallel_ranges({static_cast<std::int64_t>(samples.size()), 256, threads_, stop_},
-                        [&](std::int64_t begin, std::int64_t end) {
-                          for (auto i = static_cast<std::size_t>(begin);
-                               i < static_cast<std::size_t>(end); ++i)
-                            samples[i] = sampler.at(Vec3(at.data() + 3 * i));
-                        });
-  return samples;
 }
 
 void FitJudge::report(const KernelField& fitted, const Places& places, FitReport& report) const {

@@ -60,11 +60,11 @@ class FitJudge {
   struct Worst {
     Places places;
     std::vector<double> errors;
+    double greatest_but_for_holes = 0;  // of all that were looked at
     // Infinite if there is a hole; also if there is nothing to judge by, which is no success.
     double greatest() const {
       return errors.empty() ? std::numeric_limits<double>::infinity() : errors[0];
     }
-    double greatest_but_for_holes() const;
   };
   Worst look_for_worst(const PlaceMaker& maker, std::span<const Places* const> places,
                        const JudgedKernels& fitted, std::uint64_t seed) const;
@@ -75,7 +75,9 @@ class FitJudge {
 
  private:
   void report_full(const KernelField& fitted, FitReport& report) const;
-  std::vector<KernelSample> sampled(const KernelField& field, std::span<const double> at) const;
+  std::vector<KernelSample> sampled(const KernelField& field, std::span<const double> at) const {
+    return sample_field(field, at, threads_, stop_);
+  }
   bool is_sum() const { return source_.reconstruction == Reconstruction::kSum; }
   Worst worst_of(const Places& places, const std::vector<double>& errors) const;
 

@@ -52,8 +52,8 @@ constexpr double kSpreadOfSums = 1;
 constexpr double kRise = 1.5, kMostRise = 30;
 constexpr int kMostIdle = 8;
 constexpr double kHardlyAny = 0.02;
-// A bound is kept with a little to spare, for what lies between the places that are looked at;
-// after so many searches without, if that cannot be.
+// A bound is kept with a little to spare, for what lies between the places that are looked at.
+// After so many searches the bound itself is enough.
 constexpr double kBoundBetween = 0.98;
 constexpr int kWithMargin = 8;
 // Where the search beside the worst places finds more than that, these places are seen from then
@@ -119,7 +119,7 @@ class Fitter {
   KernelField run() {
     Clusters clusters(source_, threads_);
     const Fitted fitted = reach_goal(clusters);
-    report_.greatest_error = look_for_worst(fitted).greatest_but_for_holes();
+    report_.greatest_error = look_for_worst(fitted).greatest_but_for_holes;
     KernelField field = field_of(fitted);
     report_.kernels = field.num_kernels();
     report_.bytes = kernel_file_bytes(field, report_.kernels);

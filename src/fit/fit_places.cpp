@@ -216,15 +216,9 @@ std::size_t random_by_weight(const std::vector<double>& sums, model::Random& ran
 }
 
 // Fills targets with the field's values; leaves out places where it is not defined.
-void sample_field(const KernelField& field, const PlaceOptions& options, Places& places) {
-  const KernelSampler sampler(field);
-  std::vector<KernelSample> samples(places.count());
-  data::parallel_ranges(
-      {static_cast<std::int64_t>(samples.size()), kPlaceGrain, options.threads, options.stop},
-      [&](std::int64_t begin, std::int64_t end) {
-        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-          samples[i] = sampler.at(Vec3(places.at.data() + 3 * i));
-      });
+void fill_from_field(const KernelField& field, const PlaceOptions& options, Places& places) {
+  const std::vector<KernelSample> samples =
+      sample_field(field, places.at, options.threads, options.stop);
   const bool is_sum = field.reconstruction() == Reconstruction::kSum;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -318,7 +312,7 @@ class PlacesNearKernels final : public PlaceMaker {
                      Places& places) const override {
     append(site, at + random_offset(kernels_, site, sigmas, random), 1, places);
   }
-  void fill(Places& places) const override { sample_field(field_, options_, places); }
+  void fill(Places& places) const override { fill_from_field(field_, options_, places); }
 
   static void append(std::size_t site, const Vec3& at, double share, Places& places) {
     places.at.insert(places.at.end(), {at[0], at[1], at[2]});
@@ -414,6 +408,19 @@ Places finished(std::uint64_t seed, const Places& from) {
 }
 
 }  // namespace
+
+std::vector<KernelSample> sample_field(const KernelField& field, std::span<const double> at,
+                                       int threads, const std::stop_token& stop) {
+  const KernelSampler sampler(field);
+  std::vector<KernelSample> samples(at.size() / 3);
+  data::parallel_ranges({static_cast<std::int64_t>(samples.size()), kPlaceGrain, threads, stop},
+                        [&](std::int64_t begin, std::int64_t end) {
+                          for (auto i = static_cast<std::size_t>(begin);
+                               i < static_cast<std::size_t>(end); ++i)
+                            samples[i] = sampler.at(Vec3(at.data() + 3 * i));
+                        });
+  return samples;
+}
 
 void Places::append(const Places& from, std::size_t index, double share) {
   const double* const place = from.at.data() + 3 * index;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <utility>
 #include <vector>
@@ -30,6 +31,10 @@ struct Places {
   // The place's share is not that of `from`.
   void append(const Places& from, std::size_t index, double share);
 };
+
+// The field at places [n, 3].
+std::vector<KernelSample> sample_field(const KernelField& field, std::span<const double> at,
+                                       int threads, const std::stop_token& stop);
 
 struct PlaceOptions {
   KernelModelOptions model;

@@ -50,11 +50,12 @@ FitJudge::FitJudge(const KernelField& field, const SourceKernels& source, double
   deviation_ = std::sqrt(square / whole);
 }
 
-std::vector<std::uint32_t> FitJudge::holes(const Places& places, const KernelOperator& rows) const {
+std::vector<std::uint32_t> FitJudge::holes(const Places& places, const KernelOperator& rows,
+                                           float margin) const {
   std::vector<std::uint32_t> empty;
   if (is_sum()) return empty;
   for (std::uint32_t k = 0; k < rows.num_places(); ++k) {
-    if (!rows.is_defined(k)) empty.push_back(k);
+    if (rows.weights()[k] < margin * KernelField::kLeastWeight) empty.push_back(k);
   }
   const std::vector<KernelSample> samples = sampled(field_, places_at(places, empty));
   std::size_t kept = 0;
@@ -81,13 +82,13 @@ std::vector<std::uint32_t> FitJudge::owners_of_holes(const Places& places,
   return owners;
 }
 
-bool FitJudge::close_holes(const Places& places, MergedKernels& kernels) const {
+bool FitJudge::close_holes(const Places& places, MergedKernels& kernels, float margin) const {
   Places open;  // the places that were holes the last time
   open.at = places.at;
   for (int pass = 0;; ++pass) {
     const KernelOperator rows(kernels.columns(source_.cutoff), source_.reconstruction, open.at,
                               threads_, stop_);
-    const std::vector<std::uint32_t> found = holes(open, rows);
+    const std::vector<std::uint32_t> found = holes(open, rows, margin);
     if (found.empty() || pass == kMostWidenings) return pass > 0;
     std::vector<std::uint32_t> owners = owners_of_holes(open, found, kernels);
     std::ranges::sort(owners);

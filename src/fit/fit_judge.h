@@ -32,8 +32,10 @@ class FitJudge {
   double deviation() const noexcept { return deviation_; }
 
   // Numbers of the places that are holes, where `rows` are the fitted kernels at the places. A
-  // sum has none.
-  std::vector<std::uint32_t> holes(const Places& places, const KernelOperator& rows) const;
+  // sum has none. With a margin above 1, places count, too, whose sum of weights is less than so
+  // many times what a value needs.
+  std::vector<std::uint32_t> holes(const Places& places, const KernelOperator& rows,
+                                   float margin = 1) const;
 
   // The kernel that each hole is nearest to, in units of the kernel's size; as many as holes.
   // kNoSite where no kernel is near.
@@ -42,8 +44,8 @@ class FitJudge {
                                              const MergedKernels& kernels) const;
 
   // Widens the kernels that are nearest to holes, little by little, until there are none or next to
-  // none. Returns whether there were any.
-  bool close_holes(const Places& places, MergedKernels& kernels) const;
+  // none. Returns whether there were any. The margin is that of holes().
+  bool close_holes(const Places& places, MergedKernels& kernels, float margin = 1) const;
 
   // [places] not negative; infinite in holes, NaN where the source's field has no value either.
   std::vector<double> errors(const Places& places, const JudgedKernels& fitted) const;

@@ -55,11 +55,12 @@ constexpr double kHardlyAny = 0.02;
 // A bound is kept with a little to spare, for what lies between the places that are looked at.
 // After so many searches the bound itself is enough.
 constexpr double kBoundBetween = 0.98;
-constexpr int kWithMargin = 8;
+// Under a bound kernels are widened until the sum of weights is so many times what a value needs.
+constexpr float kThin = 1.2F;
 // Where the search beside the worst places finds more than that, these places are seen from then
 // on, and the bound of all that are seen is tightened by a factor, down to a share of the bound.
 constexpr double kTighter = 0.97, kTightest = 0.8;
-constexpr int kMostSearches = 40;
+constexpr int kMostSearches = 40, kMostWithin = 8;  // the latter where the bound was kept once
 constexpr std::size_t kTestPlaces = 100'000;
 // Places that are seen, for each of the source's kernels, and at least.
 constexpr std::size_t kMostPlacesPerKernel = 3, kLeastSeen = 1 << 17;
@@ -453,6 +454,7 @@ class Fitter {
     start(clusters, std::min(all(), kFirstKernels));
     double inner = tolerance;  // of the places that the fit sees
     double least = std::numeric_limits<double>::infinity();
+    std::optional<Fitted> within;  // the bound, with less to spare than is wanted
     int searches = 0;
     // All places count alike, and those beyond the bound more each time: sums of squares alone
     // would leave single large errors.
@@ -468,15 +470,16 @@ class Fitter {
       Fitted fitted = fit(clusters, care_of_round(clusters), excess);
       if (fitted.step.greatest_error <= tolerance) fitted = fit(clusters, kAllPlaces, excess);
       if (fitted.step.greatest_error <= tolerance) {
-        close_holes(fitted);
+        judge_->close_holes(places_.seen, fitted.kernels, kThin);
         const fit::FitJudge::Worst worst = look_for_worst(fitted);
-        const double enough = searches < kWithMargin ? kBoundBetween * tolerance : tolerance;
-        if (worst.greatest() <= enough) return fitted;
+        if (worst.greatest() <= kBoundBetween * tolerance) return fitted;
+        if (worst.greatest() <= tolerance) within = fitted;
         least = std::min(least, worst.greatest());
         inner = std::max(kTightest * tolerance, kTighter * inner);
         see_also(worst, bound);
         idle = 0;
-        if (++searches < kMostSearches) continue;
+        if (++searches >= (within ? kMostWithin : kMostSearches)) break;
+        continue;
       }
       raise_shares(fitted, bound);
       const std::size_t before = clusters.list.size();
@@ -485,6 +488,7 @@ class Fitter {
       idle = more > kHardlyAny * static_cast<double>(before) ? 0 : idle + 1;
       tell_growth(clusters);
     }
+    if (within) return std::move(*within);
     const Fitted last = fit(clusters, kAllPlaces, energy);
     least = std::min(least, look_for_worst(last).greatest());
     const std::string left = std::isfinite(least) ? fmt::format("a greatest error of {:g}", least)

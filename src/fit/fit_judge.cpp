@@ -92,7 +92,7 @@ bool FitJudge::close_holes(const Places& places, MergedKernels& kernels, float m
     if (found.empty() || pass == kMostWidenings) return pass > 0;
     std::vector<std::uint32_t> owners = owners_of_holes(open, found, kernels);
     std::ranges::sort(owners);
-    owners.erase(std::ranges::unique(owners).begin(), owners.end());
+    owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
     for (const std::size_t owner : owners) {
       if (owner == kNoSite) continue;
       kernels.weights[owner] *= kWidening;

@@ -46,6 +46,10 @@ Dataset read_hdf5(const ByteSource& source, const ReadOptions& options) {
   if (!options.hdf5.positions.empty() || !options.hdf5.values.empty())
     return read_hdf5_points(source, options);
   const Hdf5File file(source.name(), Hdf5Extent::kMaxRank);
+  for (const auto read_dialect :
+       {read_flash, read_athena, read_imaris, read_big_data_viewer, read_openpmd}) {
+    if (auto dataset = read_dialect(file, options)) return std::move(*dataset);
+  }
   const bool has_points = has_hdf5_positions(source);
   if (!options.array.empty() || !has_points)
     if (auto grid = read_hdf5_grid(file, options)) return std::move(*grid);

@@ -81,9 +81,11 @@ Dataset read_step(const DataFlags& data, const ReadOptions& options) {
                    : step_to_show(*data.steps, options.array, options.stop);
 }
 
-// Made of the steps around the time; a note tells which.
-Dataset at_time(const DataFlags& data, double time, Session& session) {
+// Made of the steps around the time that is asked for, or else that of `step`; a note tells which.
+Dataset at_time(const DataFlags& data, std::optional<double> asked, std::int64_t step,
+                Session& session) {
   const Series series = open_series(data, session, false);
+  const double time = asked.value_or(series.times()[static_cast<std::size_t>(step)]);
   TimeSliceOptions options;
   options.filter = data.time_filter;
   options.stop = session.stop();
@@ -154,13 +156,12 @@ Dataset load(const DataFlags& data, Session& session) {
     options.memory_limit = static_cast<std::int64_t>(session.team()->spread(own).least);
   }
   Dataset dataset = read_step(data, options);
-  const bool is_half = dataset.series == SeriesKind::kStaggered && !data.step;
+  const bool is_half =
+      dataset.series == SeriesKind::kStaggered && dataset.num_steps > 1 && !data.step;
   if (dataset.share) agree_on_array(dataset, *session.team()->kernels());
   if (data.time || is_half) {
-    const double time =
-        data.time.value_or(is_half ? dataset.times[static_cast<std::size_t>(dataset.step)] : 0.0);
     require_steps(dataset);
-    dataset = at_time(data, time, session);
+    dataset = at_time(data, data.time, dataset.step, session);
   }
   check_format_flags(data, dataset);
   session.notes(dataset.notes);

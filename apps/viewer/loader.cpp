@@ -215,10 +215,11 @@ void read_dataset_of(Data& data, cli::Session& session, const ReadOptions& optio
   auto read = std::make_shared<Dataset>(read_dataset(flags.inputs, options));
   cli::check_format_flags(flags, *read);
   session.notes(read->notes);
-  if (read->series == SeriesKind::kStaggered && !flags.step) {  // both halves of the lattice
+  // Both halves of the lattice.
+  if (read->series == SeriesKind::kStaggered && read->num_steps > 1 && !flags.step) {
     data.series.emplace(cli::open_series(flags, session));
-    read = std::make_shared<Dataset>(
-        slice_at_time(*data.series, read->times[static_cast<std::size_t>(read->step)]));
+    const double time = data.series->times()[static_cast<std::size_t>(read->step)];
+    read = std::make_shared<Dataset>(slice_at_time(*data.series, time));
   }
   data.dataset = std::move(read);
 }

@@ -55,7 +55,8 @@ constexpr std::int64_t kStart = 512;  // bytes that tell a format
 constexpr const char* kRaw = "raw";
 constexpr const char* kText = "CSV and other text";
 
-// Of the kinds of HDF5 files, the one that may take a spacing (foreign/hdf5_grid.cpp).
+// Of the kinds of HDF5 files, those that may take a spacing begin so; this one takes an order of
+// axes, too (foreign/hdf5_grid.cpp).
 constexpr std::string_view kHdf5Grid = "HDF5 grid";
 
 using ArrayWriter = void (*)(const Dataset&, const DataArray&, const std::string&,
@@ -276,7 +277,7 @@ std::vector<Format> grids() {
 
 std::vector<Format> points() {
   return {{.name = "HDF5",
-           .endings = {".h5", ".hdf5"},
+           .endings = {".h5", ".hdf5", ".ims", ".athdf"},
            .begins = is_hdf5,
            .library = "HDF5",
            .says_spacing = false,  // grids of others say none
@@ -489,7 +490,8 @@ Dataset read_as(const Format& format, const ByteSource& source, const ReadOption
   if (!options.raw.axis_order.empty() && dataset.format != kHdf5Grid)
     refuse_axis_order(source.name(), format.name);
   if (options.raw.spacing) {
-    if (dataset.format != kHdf5Grid) refuse_given(source.name(), format.name, "a spacing");
+    if (!dataset.format.starts_with(kHdf5Grid))
+      refuse_given(source.name(), format.name, "a spacing");
     dataset.lattice.world_from_index.linear() = options.raw.spacing->asDiagonal();
     check_geometry("spacing", dataset.lattice.world_from_index);
   }

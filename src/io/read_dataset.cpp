@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "io/check_dataset.h"
 #include "io/core/byte_source.h"
 #include "io/core/row_share.h"
 #include "io/dicom/dicom.h"
@@ -67,6 +68,16 @@ bool is_plot3d(const std::string& path, const RawOptions& raw, io::Plot3dContent
   return io::format_by_content(*source) == nullptr && io::find_plot3d(*source, content).has_value();
 }
 
+// Nothing that indexes what was read has to ask whether its parts fit each other.
+void check_parts(const Dataset& dataset) {
+  try {
+    io::check_dataset(dataset);
+  } catch (const Error& error) {
+    throw Error(error.code(),
+                fmt::format("{}: contradicts itself: {}", dataset.source, error.what()));
+  }
+}
+
 // What every reader's result goes through, and its error.
 template <typename Read>
 Dataset finished(const Read& read, const ReadOptions& options) {
@@ -74,6 +85,7 @@ Dataset finished(const Read& read, const ReadOptions& options) {
     io::check_share(options.share);
     Dataset dataset = read();
     check_choice(dataset, options);
+    check_parts(dataset);
     io::cut_to_share(dataset, options.share);
     for (std::string& note : dataset.notes) note = printable_name(std::move(note));
     for (DataArray& array : dataset.arrays) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lattices of all kinds by the program: made, converted, cut in time and drawn.
 #include <gtest/gtest.h>
+#ifdef OVOID_IO_HDF5
+#include <hdf5.h>
+#endif
 
 #include "program.h"
 
@@ -100,6 +103,22 @@ TEST(Lattices, InTimeAreStoredAsRuns) {
 }
 
 // Fails if a flag that cannot be obeyed is passed over, or something is written all the same.
+#ifdef OVOID_IO_HDF5
+// Fails if the time of a step is taken from a list that the file does not have.
+TEST(Lattices, HalvesInTimeNeedNoTimes) {
+  const Folder folder;
+  const std::string halves = folder / "halves.h5";
+  expect_success(
+      {"make", "tornado", "--size", "8", "--steps", "4", "--lattice", "d4star", "-o", halves});
+  const hid_t file = H5Fopen(halves.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(H5Ldelete(file, "times", H5P_DEFAULT), 0);
+  H5Fclose(file);
+  EXPECT_EQ(facts_of(halves)["lattice"], "body-centred");
+  expect_success({"render", halves, "-o", folder / "a.png", "--size", "32x24"});
+  expect_success({"render", halves, "--time", "1.5", "-o", folder / "a.png", "--size", "32x24"});
+}
+#endif
+
 TEST(Lattices, WhatCannotBeIsRefused) {
   const Folder folder;
   const std::string cube = folder / "cube.nrrd", out = folder / "out.h5";

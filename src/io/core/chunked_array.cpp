@@ -197,7 +197,13 @@ std::vector<DataArray> read_chunked_step(const std::vector<ChosenChannels>& chos
       progress.advance(plan.count);
     }
   }
-  for (std::size_t i = 0; i < arrays.size(); ++i) arrays[i].bytes = buffers[i].release();
+  std::size_t next = 0;
+  for (const ChosenChannels& one : chosen) {
+    for (std::size_t c = 0; c < one.channels.size(); ++c, ++next) {
+      arrays[next].bytes = buffers[next].release();
+      widen_short_floats(one.array->short_float, arrays[next]);
+    }
+  }
   return arrays;
 }
 
@@ -210,7 +216,8 @@ bool may_stay_stored(const std::vector<ChosenChannels>& chosen, const ReadOption
   }
   return stays_in_file(chosen.front().array->type, total, options) &&
          std::all_of(chosen.begin(), chosen.end(), [&](const ChosenChannels& one) {
-           return one.array->type == chosen.front().array->type;
+           return one.array->type == chosen.front().array->type &&
+                  one.array->short_float == chosen.front().array->short_float;
          });
 }
 
@@ -277,6 +284,7 @@ void read_chunked(const std::vector<ChunkedArray>& arrays, const ReadOptions& op
         dataset.arrays.push_back(empty_array(*one.array, channel));
         dataset.arrays.back().stored = stored_chunks(*one.array, dataset.step, channel,
                                                      memory_for_pages(options) / num_arrays);
+        widen_short_floats(one.array->short_float, dataset.arrays.back());
       }
     }
     return;

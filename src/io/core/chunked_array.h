@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "io/core/channel.h"
+#include "io/core/short_floats.h"
 #include "ovoid/dataset.h"
 #include "ovoid/io.h"
 
@@ -28,9 +29,10 @@ struct ChunkedArray {
   std::string axes{};               // a letter for each axis (axis_order.h), the slowest first
   std::vector<std::int64_t> shape{}, chunk{};  // samples along each axis
   ScalarType type = ScalarType::kUInt8;
+  ShortFloat short_float = ShortFloat::kNone;  // which `type`, uint16, are the bits of
   bool is_big_endian = false;
   bool is_first_fastest = false;    // within a chunk the first axis varies fastest, else the last
-  std::array<std::byte, 8> fill{};  // a sample of chunks that are not there, native byte order
+  std::array<std::byte, 8> fill{};  // a stored sample of chunks that are not there, native order
   // Fills `out`, a chunk's bytes, with the samples of the chunk that has this number along each
   // axis; false, and nothing done, if it is not there. Called from many threads. Throws Error.
   std::function<bool(std::span<const std::int64_t> number, std::span<std::byte> out)> read{};

@@ -10,7 +10,6 @@
 #include "io/dicom/dicom.h"
 #include "io/foreign/file_checks.h"
 #include "io/foreign/gdcm_codec.h"
-#include "io/foreign/hdf5_grid.h"
 #include "io/foreign/hdf5_lattice.h"
 #include "io/foreign/hdf5_points.h"
 #include "io/foreign/hdf5_xdmf.h"
@@ -18,6 +17,11 @@
 #include "io/foreign/vtk_sets.h"
 #include "io/foreign/vtk_surface.h"
 #include "ovoid/error.h"
+#ifdef OVOID_IO_HDF5
+#include "io/foreign/hdf5_dialects.h"
+#include "io/foreign/hdf5_filters.h"
+#include "io/foreign/hdf5_grid.h"
+#endif
 
 namespace ovoid::io {
 namespace {
@@ -37,11 +41,20 @@ void check_exodus_or_hdf5(const ByteSource& source) {
 
 #ifdef OVOID_IO_HDF5
 Dataset read_hdf5(const ByteSource& source, const ReadOptions& options) {
+  const Hdf5Silence silence;
   if (is_hdf5_lattice(source)) return read_hdf5_lattice(source, options);
-  const bool is_of_points = !options.hdf5.positions.empty() || !options.hdf5.values.empty();
-  if (!is_of_points && (!options.array.empty() || !has_hdf5_positions(source)))
-    if (auto grid = read_hdf5_grid(source, options)) return std::move(*grid);
-  return read_hdf5_points(source, options);
+  if (!options.hdf5.positions.empty() || !options.hdf5.values.empty())
+    return read_hdf5_points(source, options);
+  const Hdf5File file(source.name(), Hdf5Extent::kMaxRank);
+  for (const auto read_dialect :
+       {read_flash, read_athena, read_imaris, read_big_data_viewer, read_openpmd}) {
+    if (auto dataset = read_dialect(file, options)) return std::move(*dataset);
+  }
+  const bool has_points = has_hdf5_positions(source);
+  if (!options.array.empty() || !has_points)
+    if (auto grid = read_hdf5_grid(file, options)) return std::move(*grid);
+  if (has_points) return read_hdf5_points(source, options);
+  refuse_hdf5(file, options);
 }
 #endif
 

@@ -6,10 +6,13 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include "data/scalar_visit.h"
 #include "io/core/samples.h"
+#include "io/core/short_floats.h"
 #include "io/foreign/hdf5_handle.h"
 #include "io/foreign/hdf5_storage.h"
 #include "io/hdf5/hdf5_lattice_format.h"
@@ -43,33 +46,80 @@ Numbers read_numbers(hid_t object, const char* name, std::size_t most) {
   if (!attribute.is_open()) return {};
   const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose);
   const auto count = num_elements(attribute.get(), most);
-  const auto known = hdf5_type_of(type.get());
+  const auto known = type.is_open() ? hdf5_type_of(type.get()) : std::nullopt;
   if (!count || !known) return {};
-  // As they are: no conversion by the library.
   Numbers numbers{known->type, std::vector<std::byte>(*count * size_of(known->type))};
-  if (H5Aread(attribute.get(), type.get(), numbers.bytes.data()) < 0) return {};
-  if (known->is_big_endian != (std::endian::native == std::endian::big))
-    swap_bytes(numbers.bytes, size_of(known->type));
+  const bool is_short = known->short_float != ShortFloat::kNone;
+  std::vector<std::byte> bits(is_short ? 2 * *count : 0);
+  std::vector<std::byte>& to = is_short ? bits : numbers.bytes;
+  const bool is_converted = known->converted_size > 0;
+  if (H5Aread(attribute.get(), is_converted ? hdf5_native_type(known->type) : type.get(),
+              to.data()) < 0)
+    return {};
+  if (!is_converted && known->is_big_endian != (std::endian::native == std::endian::big))
+    swap_bytes(to, is_short ? 2 : size_of(known->type));
+  if (is_short) widen(bits, known->short_float, numbers.bytes.data());
   return numbers;
+}
+
+// Of variable length: the library gives a pointer to each, or none.
+std::vector<std::string> read_pointers(hid_t attribute, hid_t type, std::size_t count) {
+  std::vector<char*> pointers(count, nullptr);
+  if (H5Aread(attribute, type, pointers.data()) < 0) return {};
+  std::vector<std::string> texts;
+  for (const char* const text : pointers)
+    texts.push_back(text == nullptr ? "" : std::string(text, ::strnlen(text, kMaxHdf5Text + 1)));
+  const Hdf5Handle space(H5Aget_space(attribute), H5Sclose);
+  H5Dvlen_reclaim(type, space.get(), H5P_DEFAULT, pointers.data());
+  return texts;
+}
+
+std::vector<std::string> read_fixed(hid_t attribute, hid_t type, std::size_t count) {
+  const std::size_t size = H5Tget_size(type);
+  if (size < 1 || size > kMaxHdf5Text) return {};
+  std::string all(size * count, '\0');
+  if (H5Aread(attribute, type, all.data()) < 0) return {};
+  std::vector<std::string> texts;
+  const bool has_spaces = H5Tget_strpad(type) == H5T_STR_SPACEPAD;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::string text = all.substr(i * size, size);
+    text.resize(std::min(text.size(), text.find('\0')));
+    if (has_spaces) text.resize(text.find_last_not_of(' ') + 1);  // of none: npos + 1 is 0
+    texts.push_back(std::move(text));
+  }
+  return texts;
 }
 
 }  // namespace
 
 bool has_hdf5_attribute(hid_t object, const char* name) { return H5Aexists(object, name) > 0; }
 
-std::optional<std::string> hdf5_text(hid_t object, const char* name) {
+std::vector<std::string> hdf5_texts(hid_t object, const char* name, std::size_t most) {
   const Hdf5Handle attribute = open_attribute(object, name);
-  if (!attribute.is_open() || num_elements(attribute.get(), 1) != 1) return std::nullopt;
+  if (!attribute.is_open()) return {};
+  const auto count = num_elements(attribute.get(), most);
   const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose);
-  if (!type.is_open() || H5Tget_class(type.get()) != H5T_STRING ||
-      H5Tis_variable_str(type.get()) != 0)
-    return std::nullopt;
-  const std::size_t size = H5Tget_size(type.get());
-  if (size < 1 || size > kMaxHdf5Text) return std::nullopt;
-  std::string text(size, '\0');
-  if (H5Aread(attribute.get(), type.get(), text.data()) < 0) return std::nullopt;
-  text.resize(std::min(text.size(), text.find('\0')));
-  return text;
+  if (!count || !type.is_open() || H5Tget_class(type.get()) != H5T_STRING) return {};
+  std::vector<std::string> texts = H5Tis_variable_str(type.get()) > 0
+                                       ? read_pointers(attribute.get(), type.get(), *count)
+                                       : read_fixed(attribute.get(), type.get(), *count);
+  const bool are_short = std::all_of(texts.begin(), texts.end(), [](const std::string& text) {
+    return text.size() <= kMaxHdf5Text;
+  });
+  return are_short ? texts : std::vector<std::string>();
+}
+
+std::optional<std::string> hdf5_text(hid_t object, const char* name) {
+  std::vector<std::string> texts = hdf5_texts(object, name, 1);
+  return texts.size() == 1 ? std::optional(std::move(texts[0])) : std::nullopt;
+}
+
+std::optional<std::string> hdf5_joined_text(hid_t object, const char* name) {
+  const std::vector<std::string> texts = hdf5_texts(object, name, kMaxHdf5Text);
+  if (texts.empty()) return std::nullopt;
+  std::string joined;
+  for (const std::string& text : texts) joined += text;
+  return joined;
 }
 
 std::vector<double> hdf5_numbers(hid_t object, const char* name, std::size_t most) {

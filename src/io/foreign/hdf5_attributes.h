@@ -15,12 +15,20 @@ namespace ovoid::io {
 
 bool has_hdf5_attribute(hid_t object, const char* name);
 
-// Text of a fixed length, as it is written here; that of variable length lies elsewhere in the
-// file, where the library would believe every size. Without trailing zeros; empty optional for
-// anything else, or longer text.
+// One text, of a fixed length or a variable one, without what pads it; nothing for anything
+// else, or for longer text than kMaxHdf5Text.
 std::optional<std::string> hdf5_text(hid_t object, const char* name);
 
-// Numbers of up to two axes, at most `most` of them; empty for anything else.
+// The texts of an attribute that has several, or one; empty for anything else, or for more than
+// `most`.
+std::vector<std::string> hdf5_texts(hid_t object, const char* name, std::size_t most);
+
+// One text, or the characters that a list of them has (Imaris writes them so); nothing for anything
+// else.
+std::optional<std::string> hdf5_joined_text(hid_t object, const char* name);
+
+// Numbers of up to two axes, at most `most` of them; empty for anything else. Of every type that
+// hdf5_type_of() knows.
 std::vector<double> hdf5_numbers(hid_t object, const char* name, std::size_t most);
 
 // A single number as it is stored; empty for anything else.

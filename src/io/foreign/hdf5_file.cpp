@@ -6,12 +6,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <type_traits>
 
 #include "data/scalar_visit.h"
+#include "io/core/memory.h"
 #include "io/core/point_arrays.h"
+#include "io/foreign/hdf5_attributes.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -71,6 +72,8 @@ void Hdf5File::list(hid_t group, const std::string& path, int depth) {
     if (info.type == H5O_TYPE_DATASET) describe(group, path, name);
     if (info.type != H5O_TYPE_GROUP) continue;
     const Hdf5Handle inner(H5Gopen2(group, name.c_str(), H5P_DEFAULT), H5Gclose);
+    if (inner.is_open()) groups_.push_back(fmt::format("{}/{}", path, name));
+    if (inner.is_open()) paths_.insert(groups_.back());
     if (inner.is_open()) list(inner.get(), fmt::format("{}/{}", path, name), depth + 1);
   }
 }
@@ -81,15 +84,36 @@ void Hdf5File::describe(hid_t group, const std::string& path, const std::string&
   const Hdf5Handle space(H5Dget_space(dataset.get()), H5Sclose);
   const Hdf5Handle type(H5Dget_type(dataset.get()), H5Tclose);
   if (!space.is_open() || !type.is_open()) return;
-  auto dims = dims_of(space.get(), max_rank_);
-  if (!dims) return;
-  if (dims->empty()) dims->push_back(1);  // a single number
-  datasets_.push_back({fmt::format("{}/{}", path, name), path.empty() ? "/" : path, name,
-                       std::move(*dims), hdf5_type_of(type.get())});
+  Hdf5Dataset described{fmt::format("{}/{}", path, name), path.empty() ? "/" : path, name, {}, {}};
+  paths_.insert(described.path);
+  described.type = hdf5_type_of(type.get());
+  if (!described.type) described.type_text = hdf5_type_text(type.get());
+  if (auto dims = dims_of(space.get(), max_rank_)) {
+    if (dims->empty()) dims->push_back(1);  // a single number
+    described.dims = std::move(*dims);
+    datasets_.push_back(std::move(described));
+    return;
+  }
+  constexpr std::size_t kKept = 64;
+  if (others_.size() == kKept) return;
+  described.dims = dims_of(space.get(), H5S_MAX_RANK).value_or(std::vector<std::int64_t>());
+  others_.push_back(std::move(described));
 }
 
 bool Hdf5File::exists(const std::string& path) const {
   return H5Lexists(file_.get(), path.c_str(), H5P_DEFAULT) > 0;
+}
+
+const Hdf5Dataset* Hdf5File::find(const std::string& path) const noexcept {
+  const auto found = std::find_if(datasets_.begin(), datasets_.end(),
+                                  [&](const Hdf5Dataset& dataset) { return dataset.path == path; });
+  return found == datasets_.end() ? nullptr : &*found;
+}
+
+Hdf5Handle Hdf5File::object(const std::string& path) const {
+  const std::string whole = path.empty() ? "/" : path;
+  if (whole != "/" && !paths_.contains(whole)) return {};  // links that lead elsewhere are none
+  return {H5Oopen(file_.get(), whole.c_str(), H5P_DEFAULT), H5Oclose};
 }
 
 std::int64_t Hdf5File::num_bytes(const Hdf5Dataset& dataset) const {
@@ -121,55 +145,66 @@ DataArray Hdf5Table::read(const Rows& rows, ReadProgress& progress) const {
   return turned;
 }
 
-Hdf5Table Hdf5File::open(const Hdf5Dataset& described, bool is_transposed) const {
+Hdf5Extent Hdf5File::checked(const Hdf5Dataset& described, hid_t dataset) const {
   const std::string where = fmt::format("{}: '{}'", name_, described.path);
-  Hdf5Handle dataset(H5Dopen2(file_.get(), described.path.c_str(), H5P_DEFAULT), H5Dclose);
-  if (!dataset.is_open() || !described.type) fail(fmt::format("'{}' is broken", described.path));
-  if (described.dims.size() > 2) fail(fmt::format("'{}' is no table", described.path));
+  if (dataset < 0 || !described.type) fail(fmt::format("'{}' is broken", described.path));
   checked_num_bytes(where, described.dims, described.type->type);
   Hdf5Extent extent{where, *described.type, described.dims};
-  check_hdf5_storage(dataset.get(), extent, *source_);
+  check_hdf5_storage(dataset, extent, *source_);
+  return extent;
+}
+
+Hdf5Table Hdf5File::open(const Hdf5Dataset& described, bool is_transposed) const {
+  Hdf5Handle dataset(H5Dopen2(file_.get(), described.path.c_str(), H5P_DEFAULT), H5Dclose);
+  if (described.dims.size() > 2) fail(fmt::format("'{}' is no table", described.path));
+  Hdf5Extent extent = checked(described, dataset.get());
   return {described.name, std::move(dataset), std::move(extent), is_transposed};
+}
+
+void Hdf5File::check(const Hdf5Dataset& described) const {
+  const Hdf5Handle dataset(H5Dopen2(file_.get(), described.path.c_str(), H5P_DEFAULT), H5Dclose);
+  checked(described, dataset.get());
+}
+
+std::vector<double> Hdf5File::values(const Hdf5Dataset& described) const {
+  const Hdf5Handle dataset(H5Dopen2(file_.get(), described.path.c_str(), H5P_DEFAULT), H5Dclose);
+  const Hdf5Extent extent = checked(described, dataset.get());
+  require_memory(extent.where, extent.num_bytes() + extent.num_numbers() * std::int64_t{8});
+  std::vector<std::byte> bytes(static_cast<std::size_t>(extent.num_bytes()));
+  const ReadOptions options;
+  ReadProgress progress(options, 0);
+  read_hdf5_storage(dataset.get(), extent, bytes.data(), progress);
+  return data::visit_scalar(extent.type.type, [&]<class T>(std::type_identity<T>) {
+    std::vector<double> values;
+    values.reserve(bytes.size() / sizeof(T));
+    for (std::int64_t i = 0; i < extent.num_numbers(); ++i)
+      values.push_back(static_cast<double>(data::load_scalar<T>(bytes.data(), i)));
+    return values;
+  });
 }
 
 std::vector<double> Hdf5File::numbers(const std::string& object, const std::string& name) const {
   constexpr std::int64_t kMost = 4096;
-  const auto doubles = [](ScalarType type, const std::byte* bytes, std::int64_t count) {
-    return data::visit_scalar(type, [&]<class T>(std::type_identity<T>) {
-      std::vector<double> values;
-      for (std::int64_t i = 0; i < count; ++i)
-        values.push_back(static_cast<double>(data::load_scalar<T>(bytes, i)));
-      return values;
-    });
-  };
-  const std::string path = fmt::format("{}/{}", object, name);
-  for (const Hdf5Dataset& dataset : datasets_) {
-    const auto count = checked_product(dataset.dims);
-    if (dataset.path != path || !dataset.type || !count || *count < 1 || *count > kMost) continue;
-    const ReadOptions options;
-    ReadProgress progress(options, 0);
-    const Hdf5Table table = open(dataset);
-    const DataArray array = table.read({0, table.num_rows()}, progress);
-    return doubles(array.type, array.bytes.view.data(), *count);
+  const Hdf5Dataset* const dataset = find(fmt::format("{}/{}", object == "/" ? "" : object, name));
+  if (dataset != nullptr && dataset->type && dataset->dims.size() <= 2) {
+    const auto count = checked_product(dataset->dims);
+    if (count && *count >= 1 && *count <= kMost) return values(*dataset);
   }
-  if (!exists(object) ||
-      H5Aexists_by_name(file_.get(), object.c_str(), name.c_str(), H5P_DEFAULT) <= 0)
-    return {};
-  const Hdf5Handle attribute(
-      H5Aopen_by_name(file_.get(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
-      H5Aclose);
-  if (!attribute.is_open()) return {};
-  const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose);
-  const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose);
-  const auto dims = dims_of(space.get(), 2);
-  const auto count = dims ? checked_product(*dims) : std::nullopt;
-  const auto known = hdf5_type_of(type.get());
-  if (!count || *count < 1 || *count > kMost || !known) return {};
-  std::vector<std::byte> bytes(static_cast<std::size_t>(*count) * size_of(known->type));
-  if (H5Aread(attribute.get(), type.get(), bytes.data()) < 0) return {};
-  if (known->is_big_endian != (std::endian::native == std::endian::big))
-    swap_bytes(bytes, size_of(known->type));
-  return doubles(known->type, bytes.data(), *count);
+  const Hdf5Handle holder = this->object(object);
+  return holder.is_open() ? hdf5_numbers(holder.get(), name.c_str(), kMost) : std::vector<double>();
+}
+
+std::vector<std::string> Hdf5File::texts(const std::string& object, const std::string& name) const {
+  constexpr std::size_t kMost = 4096;
+  const Hdf5Handle holder = this->object(object);
+  return holder.is_open() ? hdf5_texts(holder.get(), name.c_str(), kMost)
+                          : std::vector<std::string>();
+}
+
+std::optional<std::string> Hdf5File::text(const std::string& object,
+                                          const std::string& name) const {
+  const Hdf5Handle holder = this->object(object);
+  return holder.is_open() ? hdf5_joined_text(holder.get(), name.c_str()) : std::nullopt;
 }
 
 }  // namespace ovoid::io

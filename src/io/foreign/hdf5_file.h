@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -26,13 +27,14 @@ namespace ovoid::io {
 // it, soft ones neither: what they mean is listed where it is.
 bool is_hard_link(hid_t group, const std::string& name);
 
-// A dataset of numbers, described.
+// A dataset, described.
 struct Hdf5Dataset {
   std::string path;   // "/PartType0/Coordinates"
   std::string group;  // "/PartType0"; "/" for the root
   std::string name;   // "Coordinates"
   std::vector<std::int64_t> dims;
   std::optional<Hdf5Type> type;  // none if it holds no numbers that are read
+  std::string type_text = {};    // of what is none (hdf5_type_text())
 };
 
 // A dataset of one or two axes that is open, its rows as tuples; of a file that must outlive it.
@@ -69,10 +71,19 @@ class Hdf5File {
   // Error(kUnsupported) for a file of more than kMaxObjects or with groups more than kMaxDepth
   // deep.
   const std::vector<Hdf5Dataset>& datasets() const noexcept { return datasets_; }
+  // Those of more axes, of none and of sizes that no file has, of which the first few are kept.
+  const std::vector<Hdf5Dataset>& others() const noexcept { return others_; }
+  // Paths of groups, in their order, without the root.
+  const std::vector<std::string>& groups() const noexcept { return groups_; }
   static constexpr int kMaxObjects = 100000;
   static constexpr int kMaxDepth = 16;
 
   bool exists(const std::string& path) const;
+  const Hdf5Dataset* find(const std::string& path) const noexcept;  // among datasets()
+  hid_t id() const noexcept { return file_.get(); }
+  const ByteSource& source() const noexcept { return *source_; }
+  // A group or dataset; not open if there is none.
+  Hdf5Handle object(const std::string& path) const;
 
   // A dataset of one or two axes. Throws Error: kFileFormat for one that is broken or does not fit
   // the file, kUnsupported as check_hdf5_storage() says.
@@ -81,11 +92,18 @@ class Hdf5File {
   std::int64_t num_bytes(const Hdf5Dataset& dataset) const;
 
   // All numbers of an attribute of `object`, or else of the small dataset of that name in it; empty
-  // if there is neither.
+  // if there is neither. Of texts the same, without the dataset.
   std::vector<double> numbers(const std::string& object, const std::string& name) const;
+  // Throws what open() does; of up to Hdf5Extent::kMaxRank axes.
+  void check(const Hdf5Dataset& dataset) const;
+  // All numbers of a dataset of as many axes. Throws what open() does.
+  std::vector<double> values(const Hdf5Dataset& dataset) const;
+  std::vector<std::string> texts(const std::string& object, const std::string& name) const;
+  std::optional<std::string> text(const std::string& object, const std::string& name) const;
 
  private:
   [[noreturn]] void fail(const std::string& what, bool is_unsupported = false) const;
+  Hdf5Extent checked(const Hdf5Dataset& described, hid_t dataset) const;
   void list(hid_t group, const std::string& path, int depth);
   void describe(hid_t group, const std::string& path, const std::string& name);
 
@@ -94,7 +112,9 @@ class Hdf5File {
   std::unique_ptr<ByteSource> source_;
   Hdf5Silence silence_;
   Hdf5Handle file_;
-  std::vector<Hdf5Dataset> datasets_;
+  std::vector<Hdf5Dataset> datasets_, others_;
+  std::vector<std::string> groups_;
+  std::unordered_set<std::string> paths_;  // of all groups and datasets
   int num_objects_ = 0;
 };
 

@@ -213,11 +213,23 @@ class LatticeReader {
       if ((stored.encoding == Encoding::kLevels || stored.encoding == Encoding::kBoxes) &&
           !is_cartesian)
         objects_.fail(fmt::format("{}: {} of a lattice that is not cartesian", place, encoding));
+      check_steps(stored);
       arrays_.push_back(std::move(stored));
     }
     if (!arrays_.empty()) return;
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("array '{}': not in '{}', which has {}", options_.array, name_, names));
+  }
+
+  // A group of more members than steps belongs to a file whose number of steps, or names, are
+  // wrong.
+  void check_steps(const ArrayInFile& array) const {
+    H5G_info_t members{};
+    if (H5Gget_info(array.group.get(), &members) < 0)
+      objects_.fail(fmt::format("group '{}' is broken", array.place));
+    if (members.nlinks <= static_cast<hsize_t>(dataset_.num_steps)) return;
+    objects_.fail(fmt::format("group '{}' has {} members: expected {}, one for each of num_steps",
+                              array.place, members.nlinks, dataset_.num_steps));
   }
 
   // Reads steps until one varies.

@@ -15,18 +15,10 @@
 #include "io/core/byte_source.h"
 #include "io/core/samples.h"
 #include "io/core/samples_in_file.h"
+#include "io/foreign/hdf5_types.h"
 #include "ovoid/lattice.h"
 
 namespace ovoid::io {
-
-// A type of numbers as files have it.
-struct Hdf5Type {
-  ScalarType type;
-  bool is_big_endian;
-};
-
-// Nothing for a type other than integers of 1 to 8 bytes and IEEE floats of 4 and 8.
-std::optional<Hdf5Type> hdf5_type_of(hid_t type);
 
 // What is to be read. The caller has checked that the sizes are at least 1 and that num_bytes() is
 // at most kMaxNumBytes.
@@ -36,18 +28,23 @@ struct Hdf5Extent {
   std::string where;  // file and dataset, for messages
   Hdf5Type type;
   std::vector<std::int64_t> dims;  // 1 to kMaxRank axes, slowest first
+  // Chunks that were never written hold the fill value, as other programs read them; not so in
+  // Ovoid's own files, where something is missing then.
+  bool may_have_gaps = false;
 
   std::int64_t item_size() const noexcept { return static_cast<std::int64_t>(size_of(type.type)); }
-  std::int64_t num_bytes() const noexcept {
-    std::int64_t count = item_size();
+  std::int64_t num_numbers() const noexcept {
+    std::int64_t count = 1;
     for (const std::int64_t dim : dims) count *= dim;
     return count;
   }
+  std::int64_t num_bytes() const noexcept { return num_numbers() * item_size(); }  // in memory
+  std::int64_t num_stored_bytes() const noexcept { return num_numbers() * type.stored_size(); }
 };
 
 // Throws Error unless the numbers can be in the file, by their sizes: kFileFormat; kUnsupported for
-// what lies in other files, was never written, or is compressed by another filter than deflate,
-// shuffle and Fletcher's checksum. Takes no memory.
+// what lies in other files, was never written, or is compressed by a filter that is not read
+// (hdf5_filters.h). Takes no memory.
 void check_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, const ByteSource& source);
 
 // Where in the file the numbers lie, as they are or in chunks that are deflated, shuffled or
@@ -55,10 +52,21 @@ void check_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, const ByteSourc
 std::optional<StoredPlace> place_of_hdf5_storage(hid_t file, hid_t dataset,
                                                  const Hdf5Extent& extent);
 
+// How many chunks were never written; 0 of what is in one piece.
+std::int64_t num_hdf5_gaps(hid_t dataset, const Hdf5Extent& extent);
+
 // The numbers, last axis fastest, native byte order, into extent.num_bytes() bytes at `to`, after
 // check_hdf5_storage(). Throws Error(kFileFormat) for what is damaged, Error(kCancelled).
 void read_hdf5_storage(hid_t dataset, const Hdf5Extent& extent, std::byte* to,
                        ReadProgress& progress);
+
+// The numbers of a box of it: `count` along each axis from `first` on, which are within the extent.
+void read_hdf5_box(hid_t dataset, const Hdf5Extent& extent, std::span<const std::int64_t> first,
+                   std::span<const std::int64_t> count, std::span<std::byte> out,
+                   ReadProgress& progress);
+
+// Numbers of a chunk along each axis; 1 along all where there are no chunks.
+std::vector<std::int64_t> hdf5_chunk_sizes(hid_t dataset, const Hdf5Extent& extent);
 
 // How many numbers along an axis are read at once: some megabytes, and whole chunks, so that each
 // is unpacked once.

@@ -21,6 +21,7 @@
 #include "io/hdf5/stored_boxes.h"
 #include "io/hdf5/test_lattice_files.h"
 #include "io/reader/reader_session.h"
+#include "ovoid/series.h"
 #include "support/where.h"
 
 #ifdef OVOID_SANITIZED_ADDRESS
@@ -179,7 +180,19 @@ TEST_F(BadLatticeFile, TimesThatAreNone) {
   EXPECT_THAT(times({2, 1}), HasSubstr("times: must rise in equal distances"));
 }
 
+// The steps are then counted.
+TEST_F(BadLatticeFile, TimesMayBeMissing) {
+  EXPECT_EQ(after([](Changed& c) { H5Ldelete(c.id(), "/times", H5P_DEFAULT); }), "");
+  EXPECT_TRUE(read_dataset({path_}).times.empty());
+  EXPECT_EQ(Series(open_steps({path_})).times(), (std::vector<double>{0, 1}));
+}
+
 TEST_F(BadLatticeFile, StepsThatAreNotThere) {
+  EXPECT_EQ(after([](Changed& c) {
+              H5Lcreate_hard(c.id(), "/array0/step0", c.id(), "/array0/step32", H5P_DEFAULT,
+                             H5P_DEFAULT);
+            }),
+            "file-format: F: group 'array0' has 3 members: expected 2, one for each of num_steps");
   EXPECT_EQ(after([](Changed& c) { H5Ldelete(c.id(), "/array1/step0", H5P_DEFAULT); }),
             "file-format: F: dataset 'array1/step0' is missing");
   EXPECT_EQ(after([](Changed& c) {

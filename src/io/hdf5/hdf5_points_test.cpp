@@ -311,7 +311,7 @@ TEST(Hdf5Points, ErrorsListWhatThereIs) {
             "invalid-argument: F: positions '/d': the file has no such dataset");
   Hdf5Maker(path).floats("/c", {2});
   EXPECT_EQ(hdf5_error(path).substr(0, 64),
-            "file-format: F: no dataset [N, 3] is called Coordinates, positio");
+            "file-format: F: nothing in it is drawn: '/c' [2] has one axis: e");
   EXPECT_EQ(hdf5_error(folder.write("b.h5", "\x89HDF\r\n\x1a\n garbage")),
             "file-format: F: the HDF5 library cannot open it: is the file truncated?");
   Hdf5Maker(path).group("/VTKHDF").floats("/VTKHDF/Points", {2, 3});
@@ -422,7 +422,7 @@ TEST(Hdf5Grid, OneIsChosen) {
   EXPECT_EQ(read_dataset({path}, options).num_steps, 2);
   options.array = "d";
   EXPECT_EQ(hdf5_error(path, options).substr(0, 53),
-            "file-format: F: no dataset [N, 3] is called Coordinat");
+            "invalid-argument: F: array 'd': the file has no such ");
   Hdf5Maker(path).claim("/a", {1000000, 1000000, 1000}, {});
   EXPECT_EQ(hdf5_error(path).substr(0, 22), "unsupported: F: '/a': ");
   Hdf5Maker(path).floats("/pos", {5, 3}).floats("/grid", {2, 3, 4});

@@ -14,6 +14,7 @@
 #include "io/core/chunked_array.h"
 #include "io/core/sample_parts.h"
 #include "io/core/samples.h"
+#include "io/core/short_floats.h"
 #include "io/images/npy_header.h"
 #include "io/points/npy_points.h"
 #include "ovoid/error.h"
@@ -74,7 +75,7 @@ Dataset read_npy_step(const ByteSource& source, const NpyHeader& header,
   }
   const std::int64_t num_bytes = checked_num_bytes(source.name() + ": shape", shape, type.type);
   check_num_steps(source.name() + ": shape", shape[0]);
-  check_npy_size(source, header, type.type, num_bytes);
+  check_npy_size(source, header, type, num_bytes);
   Dataset dataset;
   dataset.source = source.name();
   dataset.format = "NPY";
@@ -102,14 +103,14 @@ Dataset read_npy_step(const ByteSource& source, const NpyHeader& header,
           : fmt::format("{}: shape {} taken as (time, z, y, x): {} is no number of components, "
                         "which are 1 to 4, 6 or 9; --axis-order says another",
                         source.name(), text, shape[3]));
-  if (type.is_boolean)
-    dataset.notes.push_back(fmt::format("{}: booleans become uint8", source.name()));
+  if (auto note = type.note(source.name())) dataset.notes.push_back(std::move(*note));
   StepSamples samples = read_step(parts, layout, options, dataset.notes);
   dataset.num_steps = layout.num_steps;
   dataset.step = samples.step;
   dataset.arrays.push_back({"values", type.type, layout.num_components,
                             num_samples(dataset.lattice.dims), "", false, samples.bytes});
   dataset.arrays.back().stored = std::move(samples.stored);
+  widen_short_floats(type.short_float, dataset.arrays.back());
   return dataset;
 }
 
@@ -147,10 +148,11 @@ Dataset read_npy_in_order(const ByteSource& source, const NpyHeader& header,
   array.axes = options.raw.axis_order;
   array.shape = header.shape;
   array.type = type.type;
+  array.short_float = type.short_float;
   array.is_big_endian = type.is_big_endian;
   array.is_first_fastest = header.is_fortran_order;
   check_axis_order(source.name(), array.axes, array.shape);
-  check_npy_size(source, header, type.type,
+  check_npy_size(source, header, type,
                  checked_num_bytes(source.name() + ": shape", array.shape, type.type));
   const std::size_t rank = array.shape.size();
   array.chunk.assign(rank, 1);
@@ -180,8 +182,7 @@ Dataset read_npy_in_order(const ByteSource& source, const NpyHeader& header,
   if (options.raw.spacing)
     dataset.lattice.world_from_index.linear() = options.raw.spacing->asDiagonal();
   check_geometry("spacing", dataset.lattice.world_from_index);
-  if (type.is_boolean)
-    dataset.notes.push_back(fmt::format("{}: booleans become uint8", source.name()));
+  if (auto note = type.note(source.name())) dataset.notes.push_back(std::move(*note));
   read_chunked({array}, options, dataset);
   return dataset;
 }
@@ -196,13 +197,14 @@ Dataset read_npy(const ByteSource& source, const ReadOptions& options) {
   Dataset dataset = describe(source, start, options);
   NpySamples read = read_npy_samples(source, options);
   const NpyHeader& header = read.header;
-  DataArray array{"values", read.type, 1, num_samples(dataset.lattice.dims), "", false, {}};
+  const NpyType& type = read.type;
+  DataArray array{"values", type.type, 1, num_samples(dataset.lattice.dims), "", false, {}};
   if (header.shape.size() == 4) array.num_components = static_cast<int>(header.shape[3]);
   array.bytes = header.is_fortran_order
-                    ? reverse_axes(read.samples, header.shape, size_of(read.type))
+                    ? reverse_axes(read.samples, header.shape, size_of(type.type))
                     : read.samples.release();
-  if (read.is_boolean)
-    dataset.notes.push_back(fmt::format("{}: booleans become uint8", source.name()));
+  widen_short_floats(type.short_float, array);
+  if (auto note = type.note(source.name())) dataset.notes.push_back(std::move(*note));
   dataset.arrays.push_back(std::move(array));
   return dataset;
 }

@@ -164,27 +164,38 @@ NpyHeader read_npy_header(const ByteSource& source) {
 NpyType npy_type_of(const std::string& name, const std::string& descr) {
   const std::string code = descr.size() > 1 ? descr.substr(1) : "";
   const bool is_boolean = code == "b1";
-  const auto type =
-      is_boolean ? ScalarType::kUInt8 : find_scalar_type(code.size() == 2 ? code : "");
+  const bool is_half = code == "f2";
+  const auto type = is_boolean ? ScalarType::kUInt8
+                    : is_half  ? ScalarType::kUInt16
+                               : find_scalar_type(code.size() == 2 ? code : "");
   const char order = descr.empty() ? '\0' : descr[0];
   if (!type || std::string_view("<>|=").find(order) == std::string_view::npos) {
     throw Error(
         ErrorCode::kUnsupported,
         fmt::format(
-            "{}: descr: '{}': expected booleans, integers of 1 to 8 bytes, or floats of 4 or 8",
+            "{}: descr: '{}': expected booleans, integers of 1 to 8 bytes, or floats of 2 to 8",
             name, descr.substr(0, 40)));
   }
   const bool is_native_big = std::endian::native == std::endian::big;
-  return {*type, order == '>' || (order != '<' && is_native_big), is_boolean};
+  return {*type, order == '>' || (order != '<' && is_native_big), is_boolean,
+          is_half ? ShortFloat::kHalf : ShortFloat::kNone};
 }
 
-void check_npy_size(const ByteSource& source, const NpyHeader& header, ScalarType type,
+const char* NpyType::name() const noexcept { return stored_name(type, short_float); }
+
+std::optional<std::string> NpyType::note(const std::string& source) const {
+  if (is_boolean) return fmt::format("{}: booleans become uint8", source);
+  if (short_float == ShortFloat::kNone) return std::nullopt;
+  return fmt::format("{}: {} becomes float32", source, name_of(short_float));
+}
+
+void check_npy_size(const ByteSource& source, const NpyHeader& header, const NpyType& type,
                     std::int64_t num_bytes) {
   const std::int64_t available = source.size() - header.data_offset;
   if (available == num_bytes) return;
   throw Error(ErrorCode::kFileFormat,
               fmt::format("{}: holds {} bytes of samples, shape ({}) of {} needs {}", source.name(),
-                          available, fmt::join(header.shape, ", "), name_of(type), num_bytes));
+                          available, fmt::join(header.shape, ", "), type.name(), num_bytes));
 }
 
 NpySamples read_npy_samples(const ByteSource& source, const ReadOptions& options,
@@ -192,11 +203,10 @@ NpySamples read_npy_samples(const ByteSource& source, const ReadOptions& options
   NpySamples result;
   result.header = read_npy_header(source);
   const NpyType type = npy_type_of(source.name(), result.header.descr);
-  result.type = type.type;
-  result.is_boolean = type.is_boolean;
+  result.type = type;
   const auto& shape = result.header.shape;
   const std::int64_t num_bytes = checked_num_bytes(source.name() + ": shape", shape, type.type);
-  check_npy_size(source, result.header, type.type, num_bytes);
+  check_npy_size(source, result.header, type, num_bytes);
   result.rows = rows_of_share(share, shape[0]);
   const std::int64_t row_size = num_bytes / shape[0];
   const std::int64_t num_read = result.rows.count * row_size;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "io/core/short_floats.h"
 #include "io/core/test_folder.h"
 #include "io/images/test_volumes.h"
 
@@ -143,6 +144,38 @@ TEST(Npy, ByteOrderAndBooleans) {
 }
 
 // Sizes above the transposition's block of 32 and no multiples of it, so that its edges are met.
+// Halves 1 to 24; fails if one of the ways to the samples takes their bits for integers.
+TEST(Npy, HalvesBecomeFloat32) {
+  std::string little, big;
+  for (int i = 1; i <= 24; ++i) {
+    const std::uint16_t bits = bits_of(static_cast<float>(i), ShortFloat::kHalf);
+    const char low = static_cast<char>(bits & 255U), high = static_cast<char>(bits >> 8U);
+    little += {low, high};
+    big += {high, low};
+  }
+  const auto file = [](const std::string& descr, const char* order, const char* shape,
+                       const std::string& samples) {
+    return npy("{'descr': '" + descr + "', 'fortran_order': " + order + ", 'shape': " + shape + "}",
+               samples);
+  };
+  const auto all = counting<float>(24);
+  const Dataset dataset = read(file("<f2", "False", "(2, 3, 4)", little));
+  EXPECT_EQ(values_of<float>(dataset.array()), all);
+  EXPECT_EQ(dataset.notes, std::vector<std::string>{"a.npy: float16 becomes float32"});
+  EXPECT_EQ(values_of<float>(read(file(">f2", "False", "(2, 3, 4)", big)).array()), all);
+  EXPECT_EQ(values_of<float>(read(file("<f2", "True", "(4, 3, 2)", little)).array()),
+            (std::vector<float>{1, 13, 5, 17, 9,  21, 2, 14, 6, 18, 10, 22,
+                                3, 15, 7, 19, 11, 23, 4, 16, 8, 20, 12, 24}));
+  ReadOptions options;
+  options.step = 1;
+  EXPECT_EQ(values_of<float>(read(file(">f2", "False", "(2, 1, 2, 6, 1)", big), options).array()),
+            (std::vector<float>(all.begin() + 12, all.end())));
+  options.step.reset();
+  options.raw.axis_order = "xyz";
+  EXPECT_EQ(values_of<float>(read(file("<f2", "False", "(2, 3, 4)", little), options).array())[1],
+            13);
+}
+
 TEST(Npy, FortranOrderIsTransposed) {
   constexpr int kZ = 35, kY = 3, kX = 41, kC = 2;
   const auto value = [](int z, int y, int x, int c) {
@@ -172,9 +205,9 @@ TEST(Npy, ErrorsNameFieldAndValue) {
   };
   EXPECT_EQ(message(kDict, 47),
             "file-format: a.npy: holds 47 bytes of samples, shape (2, 3, 4) of int16 needs 48");
-  EXPECT_EQ(message("{'descr': '<f2', 'fortran_order': False, 'shape': (1,1,1)}", 2),
-            "unsupported: a.npy: descr: '<f2': expected booleans, integers of 1 to 8 bytes, or "
-            "floats of 4 or 8");
+  EXPECT_EQ(message("{'descr': '<f3', 'fortran_order': False, 'shape': (1,1,1)}", 2),
+            "unsupported: a.npy: descr: '<f3': expected booleans, integers of 1 to 8 bytes, or "
+            "floats of 2 to 8");
   EXPECT_EQ(message("{'descr': '|O', 'fortran_order': False, 'shape': (1,1,1)}", 2).substr(0, 12),
             "unsupported:");
   EXPECT_EQ(message("{'descr': [('a', '<i4')], 'fortran_order': False, 'shape': (1,1,1)}", 4),

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "io/core/byte_source.h"
+#include "io/core/short_floats.h"
 #include "ovoid/lattice.h"
 
 namespace ovoid::io {
@@ -19,7 +20,8 @@ namespace ovoid::io {
 struct SliceShape {
   std::int64_t width = 0, height = 0;
   ScalarType type = ScalarType::kUInt8;
-  int num_components = 1;  // 3: red, green, blue
+  int num_components = 1;                      // 3: red, green, blue
+  ShortFloat short_float = ShortFloat::kNone;  // whose bits are samples of `type`
   // Distance of pixels, where the file means a length in the world by it.
   std::optional<std::array<double, 2>> spacing{};
   std::string length_unit{};  // of the spacing

@@ -43,13 +43,15 @@ SliceReader reader_of(const ByteSource& source) {
 }
 
 std::string shape_text(const SliceShape& shape) {
-  return fmt::format("{} x {} pixels of {}", shape.width, shape.height, name_of(shape.type));
+  return fmt::format("{} x {} pixels of {}", shape.width, shape.height,
+                     stored_name(shape.type, shape.short_float));
 }
 
 // Grey and colour may be mixed: programs that make files small store a grey picture's few greys as
 // a palette.
 bool fits(const SliceShape& a, const SliceShape& b) {
-  return std::tie(a.width, a.height, a.type) == std::tie(b.width, b.height, b.type);
+  return std::tie(a.width, a.height, a.type, a.short_float) ==
+         std::tie(b.width, b.height, b.type, b.short_float);
 }
 
 // Throws for the first slice that is not as most are.
@@ -109,6 +111,7 @@ class SliceVolume {
     place(dataset);
     DataArray array{"values", shapes_[0].type, 1, num_samples(dataset.lattice.dims), "", false, {}};
     take_samples(&array);
+    widen_short_floats(shapes_[0].short_float, array);
     if (has_colours_) {
       dataset.notes.push_back(fmt::format(
           "{}: its slices are coloured: red, green and blue are three components", source_));

@@ -54,6 +54,7 @@ class TiffVolume {
     place();
     tell();
     read_arrays();
+    for (DataArray& array : dataset_.arrays) widen_short_floats(page.short_float, array);
     return std::move(dataset_);
   }
 
@@ -170,6 +171,8 @@ class TiffVolume {
     if (page.is_white_zero) note("says that 0 is white: values are those that it stores");
     if (page.num_components < page.num_samples) note("transparency is left out");
     if (page.is_palette) note("has a palette: values are its numbers");
+    if (page.short_float != ShortFloat::kNone)
+      note(fmt::format("{} becomes float32", name_of(page.short_float)));
   }
 
   void read_arrays() {
@@ -339,7 +342,7 @@ SliceShape shape_of_tiff(const ByteSource& source) {
         fmt::format("{}: has {} samples in each pixel: expected grey, or red, green and blue",
                     source.name(), page.num_components));
   }
-  SliceShape shape{page.width, page.height, page.type, page.num_components};
+  SliceShape shape{page.width, page.height, page.type, page.num_components, page.short_float};
   shape.spacing = pixel_size_mm(file);
   shape.length_unit = "mm";
   if (const auto stack = imagej_stack(file.description(), 1, file.resolution());

@@ -197,20 +197,22 @@ void TiffFile::set_type(TiffPage& page, const Directory& directory) const {
     page.type = type;
     return true;
   };
+  if (bits == 16 && kind == kFloat) page.short_float = ShortFloat::kHalf;
   const bool is_known =
-      fits(8, kUnsigned, ScalarType::kUInt8) || fits(8, kSigned, ScalarType::kInt8) ||
-      fits(16, kUnsigned, ScalarType::kUInt16) || fits(16, kSigned, ScalarType::kInt16) ||
-      fits(32, kUnsigned, ScalarType::kUInt32) || fits(32, kSigned, ScalarType::kInt32) ||
-      fits(64, kUnsigned, ScalarType::kUInt64) || fits(64, kSigned, ScalarType::kInt64) ||
-      fits(32, kFloat, ScalarType::kFloat32) || fits(64, kFloat, ScalarType::kFloat64) ||
-      fits(1, kUnsigned, ScalarType::kUInt8) || fits(2, kUnsigned, ScalarType::kUInt8) ||
-      fits(4, kUnsigned, ScalarType::kUInt8) || fits(10, kUnsigned, ScalarType::kUInt16) ||
-      fits(12, kUnsigned, ScalarType::kUInt16) || fits(14, kUnsigned, ScalarType::kUInt16);
+      fits(16, kFloat, ScalarType::kUInt16) || fits(8, kUnsigned, ScalarType::kUInt8) ||
+      fits(8, kSigned, ScalarType::kInt8) || fits(16, kUnsigned, ScalarType::kUInt16) ||
+      fits(16, kSigned, ScalarType::kInt16) || fits(32, kUnsigned, ScalarType::kUInt32) ||
+      fits(32, kSigned, ScalarType::kInt32) || fits(64, kUnsigned, ScalarType::kUInt64) ||
+      fits(64, kSigned, ScalarType::kInt64) || fits(32, kFloat, ScalarType::kFloat32) ||
+      fits(64, kFloat, ScalarType::kFloat64) || fits(1, kUnsigned, ScalarType::kUInt8) ||
+      fits(2, kUnsigned, ScalarType::kUInt8) || fits(4, kUnsigned, ScalarType::kUInt8) ||
+      fits(10, kUnsigned, ScalarType::kUInt16) || fits(12, kUnsigned, ScalarType::kUInt16) ||
+      fits(14, kUnsigned, ScalarType::kUInt16);
   if (!is_known) {
     refuse(
         page.number,
         fmt::format("has {} of {} bits: expected integers of 8, 16, 32 or 64 bits, unsigned ones "
-                    "of 1, 2, 4, 10, 12 or 14 too, or floats of 32 or 64",
+                    "of 1, 2, 4, 10, 12 or 14 too, or floats of 16, 32 or 64",
                     kind == kFloat      ? "floats"
                     : kind == kSigned   ? "integers with sign"
                     : kind == kUnsigned ? "integers"
@@ -293,7 +295,7 @@ void TiffFile::set_compression(TiffPage& page, const Directory& directory) const
   if (page.compression != kTiffLzw && page.compression != kTiffDeflate &&
       page.compression != kTiffOldDeflate && page.compression != kTiffZstandard)
     page.predictor = 1;
-  const bool is_integer = !is_floating(page.type);
+  const bool is_integer = !is_floating(page.type) && page.short_float == ShortFloat::kNone;
   if (page.predictor != 1 && !(page.predictor == 2 && page.bits % 8 == 0 && page.bits != 24) &&
       !(page.predictor == 3 && !is_integer))
     refuse(page.number, fmt::format("has predictor {} of {} bits", page.predictor, page.bits));
@@ -379,12 +381,14 @@ TiffFile::TiffFile(const ByteSource& source) : source_(source) {
 void TiffFile::check_sizes() const {
   const TiffPage& first = pages_[0];
   const auto text = [](const TiffPage& page) {
-    return fmt::format("{} x {} pixels of {}{}", page.width, page.height, name_of(page.type),
+    return fmt::format("{} x {} pixels of {}{}", page.width, page.height,
+                       stored_name(page.type, page.short_float),
                        page.num_components > 1 ? fmt::format(" x {}", page.num_components) : "");
   };
   for (const TiffPage& page : pages_) {
     if (page.width == first.width && page.height == first.height && page.type == first.type &&
-        page.num_components == first.num_components && page.bits == first.bits)
+        page.short_float == first.short_float && page.num_components == first.num_components &&
+        page.bits == first.bits)
       continue;
     refuse(page.number, fmt::format("has {}, page {} has {}: the pages of a volume are of one size "
                                     "and type",

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "io/core/byte_source.h"
+#include "io/core/short_floats.h"
 #include "ovoid/lattice.h"
 
 namespace ovoid::io {
@@ -38,7 +39,8 @@ struct TiffPage {
   int bits = 1;                                    // of a sample, as stored
   int num_samples = 1;                             // of a pixel, as stored
   int num_components = 1;                          // without transparency, which comes last
-  ScalarType type = ScalarType::kUInt8;            // that samples become
+  ScalarType type = ScalarType::kUInt8;            // that samples become; of halves, their bits
+  ShortFloat short_float = ShortFloat::kNone;
   int compression = 1, predictor = 1;
   bool is_planar = false;     // each component has blocks of its own
   bool is_stretched = false;  // grey of fewer than 8 bits becomes one of 8

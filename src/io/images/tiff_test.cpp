@@ -154,6 +154,27 @@ TEST(Tiff, Predictors) {
       (std::vector<float>{1.0F, 2.0F}));
 }
 
+// 1.0 (3c 00), -2.0 (c0 00) and 0.5 (38 00), as they are and as differences of both kinds.
+TEST(Tiff, HalvesBecomeFloat32) {
+  TestTiff tiff;
+  tiff.bits = 16;
+  tiff.format = 3;
+  tiff.width = 3;
+  tiff.height = 1;
+  const auto values = [&](const std::string& block) {
+    return values_of<float>(read_bytes(tiff_file(tiff, {block})).array());
+  };
+  const std::vector<float> expected{1, -2, 0.5F};
+  EXPECT_EQ(values({"\0\x3c\0\xc0\0\x38", 6}), expected);
+  tiff.is_big_endian = true;
+  EXPECT_EQ(values({"\x3c\0\xc0\0\x38\0", 6}), expected);
+  tiff.compression = 8;
+  tiff.predictor = 2;
+  EXPECT_EQ(values({"\x3c\0\x84\0\x78\0", 6}), expected);
+  tiff.predictor = 3;
+  EXPECT_EQ(values({"\x3c\x84\x78\xc8\0\0", 6}), expected);
+}
+
 TEST(Tiff, FewBits) {
   TestTiff tiff;
   tiff.bits = 1;
@@ -400,10 +421,10 @@ TEST(Tiff, DamageIsTold) {
   EXPECT_THAT(error(tiff_file(strange, kPages)),
               HasSubstr("page 0: is compressed by JBIG, which is not read: expected none, LZW"));
   strange = {};
-  strange.bits = 16;
+  strange.bits = 24;
   strange.format = 3;
   strange.width = 2;
-  EXPECT_THAT(error(tiff_file(strange, kPages)), HasSubstr("page 0: has floats of 16 bits"));
+  EXPECT_THAT(error(tiff_file(strange, kPages)), HasSubstr("page 0: has floats of 24 bits"));
   TestTiff odd;
   TiffWriter two(odd);
   two.add_page({"abcdefgh", "ijkl"});

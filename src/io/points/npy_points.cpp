@@ -14,6 +14,7 @@
 #include "io/core/point_arrays.h"
 #include "io/core/row_share.h"
 #include "io/core/samples.h"
+#include "io/core/short_floats.h"
 #include "io/core/zip_file.h"
 #include "io/images/npy.h"
 #include "io/images/npy_header.h"
@@ -29,16 +30,18 @@ constexpr std::int64_t kMaxNpzComponents = 64;
 DataArray npy_rows(const ByteSource& source, const ReadOptions& options) {
   NpySamples read = read_npy_samples(source, options, options.share);
   const auto& shape = read.header.shape;
-  DataArray array{"", read.type, 1, read.rows.count, "", false, {}};
+  DataArray array{"", read.type.type, 1, read.rows.count, "", false, {}};
   if (shape.size() == 2) array.num_components = static_cast<int>(shape[1]);
   if (!read.header.is_fortran_order || array.num_components == 1) {
     array.bytes = read.samples.release();
+    widen_short_floats(read.type.short_float, array);
     return array;
   }
   std::byte* to = nullptr;
   array = new_array(std::move(array), to);
   transpose_items(read.samples.bytes().data(), to, array.num_components, array.num_tuples,
                   size_of(array.type));
+  widen_short_floats(read.type.short_float, array);
   return array;
 }
 

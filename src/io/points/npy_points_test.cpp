@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fuzz/seeds.h"
+#include "io/core/short_floats.h"
 #include "io/core/test_folder.h"
 #include "io/images/npy.h"
 #include "io/images/test_volumes.h"
@@ -49,6 +50,16 @@ TEST(NpyPoints, ThreeAndFourColumns) {
               read_named("a.npy", npy_of(ScalarType::kInt32, {5, 3}, bytes_of(integers)), options);
             }),
             "invalid-argument: a.npy: holds points: a spacing can be given for volumes only");
+}
+
+TEST(NpyPoints, HalvesBecomeFloat32) {
+  std::vector<std::uint16_t> halves;
+  for (const float value : counting<float>(15)) halves.push_back(bits_of(value, ShortFloat::kHalf));
+  const std::string bytes =
+      with(npy_of(ScalarType::kUInt16, {5, 3}, bytes_of(halves)), "<u2", "<f2");
+  EXPECT_EQ(values_of<float>(read_named("a.npy", bytes).positions), counting<float>(15));
+  EXPECT_EQ(values_of<float>(read_named("a.npy", with(bytes, "False, ", "True,  ")).positions)[1],
+            6);
 }
 
 TEST(NpyPoints, FortranOrder) {

@@ -14,6 +14,7 @@
 #include <memory>
 #include <span>
 
+#include "io/check_dataset.h"
 #include "io/core/json_file.h"
 #include "io/core/row_share.h"
 #include "io/core/samples.h"
@@ -352,12 +353,6 @@ Dataset dataset_of(const Json& json, const Shared& memory, const ReaderHost& hos
   return dataset;
 }
 
-void check_arrays(const Dataset& dataset, std::int64_t num_tuples) {
-  for (const DataArray& array : dataset.arrays)
-    if (!array.is_cell_data && array.num_tuples != num_tuples)
-      nonsense(fmt::format("{} tuples for {} places", array.num_tuples, num_tuples));
-}
-
 // Cells are shared out by layers or pieces, which the reader knows alone.
 void check_cells_of_share(const Dataset& dataset) {
   const auto& [first, total, nodes, array] = *dataset.share;
@@ -383,45 +378,24 @@ void check_rows(const std::optional<RowShare>& share, const Dataset& dataset) {
 
 // A share without rows, which would be no mesh.
 void check_no_rows(const Dataset& dataset) {
-  if (dataset.positions.num_components != 3 || !is_floating(dataset.positions.type) ||
-      dataset.cells.count() != 0 || dataset.box_sizes.num_tuples != 0)
-    nonsense("no rows of something else than points");
-  check_arrays(dataset, 0);
-  for (const DataArray& array : dataset.arrays) {
-    if (array.num_tuples != 0) nonsense(fmt::format("{} tuples for no cells", array.num_tuples));
-  }
+  if (dataset.cells.count() != 0) nonsense("cells without nodes");
 }
 
-// That the parts fit each other.
-void check_dataset(const ReaderHost& host, const Dataset& dataset) {
-  const std::string& source = host.source;
+// That the parts fit each other, and what they hold.
+void check_parts(const ReaderHost& host, const Dataset& dataset) {
   check_rows(host.options.share, dataset);
-  if (dataset.share && dataset.num_positions() == 0) return check_no_rows(dataset);
-  if (dataset.num_steps < 1 || dataset.step >= dataset.num_steps)
-    nonsense("a step that is not there");
-  switch (dataset.kind) {
-    case DatasetKind::kLattice: {
-      const Index3& dims = dataset.lattice.dims;
-      checked_num_bytes(source, dims, ScalarType::kFloat64);
-      check_geometry(source, dataset.lattice.world_from_index);
-      return check_arrays(dataset, num_samples(dims));
-    }
-    case DatasetKind::kBoxes:
-      if (dataset.box_sizes.num_components != 3 || dataset.box_sizes.type != ScalarType::kFloat64 ||
-          dataset.box_sizes.num_tuples != dataset.positions.num_tuples)
-        nonsense("boxes without sizes");
-      [[fallthrough]];
-    case DatasetKind::kMesh:
-    case DatasetKind::kParticles:
-    case DatasetKind::kKernels: {
-      MeshPart part;
-      part.positions = dataset.positions;
-      part.cells = dataset.cells;
-      if (dataset.kind == DatasetKind::kMesh) part.arrays = dataset.arrays;
-      check_mesh(source, part);
-      if (dataset.kind != DatasetKind::kMesh) check_arrays(dataset, dataset.num_positions());
-    }
+  try {
+    check_dataset(dataset);
+  } catch (const Error& error) {
+    nonsense(error.what());
   }
+  if (dataset.share && dataset.num_positions() == 0) return check_no_rows(dataset);
+  if (dataset.kind == DatasetKind::kLattice) return;
+  MeshPart part;
+  part.positions = dataset.positions;
+  part.cells = dataset.cells;
+  if (dataset.kind == DatasetKind::kMesh) part.arrays = dataset.arrays;
+  check_mesh(host.source, part);
 }
 
 }  // namespace
@@ -521,7 +495,7 @@ Dataset dataset_from_message(const ReaderHost& host, const DatasetMessage& messa
     const auto memory = std::make_shared<const SharedMemory>(message.memory);
     Dataset dataset = parsed(message.description,
                              [&](const Json& json) { return dataset_of(json, memory, host); });
-    check_dataset(host, dataset);
+    check_parts(host, dataset);
     return dataset;
   } catch (const Error& error) {
     throw Error(error.code(), fmt::format("{}: {}", source, error.what()));

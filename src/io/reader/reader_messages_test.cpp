@@ -152,7 +152,9 @@ TEST(ReaderMessages, ShareWithoutRowsArrives) {
   EXPECT_EQ(refusal(), "file-format: a.h5: its reader sent 1 tuples for 0 places");
   sent.arrays.clear();
   sent.positions.num_components = 2;
-  EXPECT_EQ(refusal(), "file-format: a.h5: its reader sent no rows of something else than points");
+  EXPECT_EQ(refusal(),
+            "file-format: a.h5: its reader sent positions that are not three floating-point "
+            "numbers each");
 }
 
 TEST(ReaderMessages, AnotherShareIsRefused) {

@@ -16,6 +16,7 @@
 #include "data/scalar_visit.h"
 #include "io/core/numbers.h"
 #include "io/core/samples.h"
+#include "io/core/short_floats.h"
 #include "io/core/text_file.h"
 #include "io/images/npy_header.h"
 #include "io/zarr/zarr_codecs.h"
@@ -88,6 +89,16 @@ std::vector<std::int64_t> zarr_sizes(const JsonValue& list, std::size_t rank) {
 void set_fill(const JsonValue& fill, ChunkedArray& array) {
   const Json& json = fill.json();
   if (json.is_null()) return;
+  if (array.short_float != ShortFloat::kNone) {
+    ChunkedArray wide;
+    wide.type = ScalarType::kFloat32;
+    set_fill(fill, wide);
+    const std::uint16_t bits =
+        bits_of(number_at<float>(wide.fill.data(), std::endian::native == std::endian::big),
+                array.short_float);
+    std::memcpy(array.fill.data(), &bits, sizeof(bits));
+    return;
+  }
   data::visit_scalar(array.type, [&]<class T>(std::type_identity<T>) {
     T value{};
     const auto out_of_range = [&] {
@@ -142,6 +153,7 @@ ZarrChunks describe_version_2(const JsonValue& description, ChunkedArray& array)
   if (!dtype.json().is_string()) refuse_zarr(dtype.place(), "records are not read");
   const NpyType type = npy_type_of(description.place(), dtype.string());
   array.type = type.type;
+  array.short_float = type.short_float;
   array.is_big_endian = type.is_big_endian;
   const JsonValue order = description.member("order");
   if (order.string() != "C" && order.string() != "F") order.refuse("expected C or F");
@@ -270,8 +282,13 @@ ZarrChunks describe_version_3(const JsonValue& description, ChunkedArray& array)
   array.chunk = zarr_sizes(grid.member("configuration").member("chunk_shape"), array.shape.size());
   const JsonValue type = description.member("data_type");
   const std::string type_name = extension_name(type);
-  const auto known = find_scalar_type(type_name == "bool" ? "uint8" : type_name);
-  if (!known) type.refuse("expected integers of 8 to 64 bits, or floats of 32 or 64");
+  for (const ShortFloat kind : {ShortFloat::kHalf, ShortFloat::kBrain})
+    if (type_name == name_of(kind)) array.short_float = kind;
+  const bool is_short = array.short_float != ShortFloat::kNone;
+  const auto known = find_scalar_type(type_name == "bool" ? "uint8"
+                                      : is_short          ? "uint16"
+                                                          : type_name);
+  if (!known) type.refuse("expected integers of 8 to 64 bits, or floats of 16 to 64");
   array.type = *known;
   array.is_big_endian = std::endian::native == std::endian::big;  // of samples of one byte
   const JsonValue keys = description.member("chunk_key_encoding");

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "io/core/short_floats.h"
 #include "io/core/test_folder.h"
 #include "io/images/test_volumes.h"
 #include "io/zarr/test_zarr.h"
@@ -147,6 +148,29 @@ TEST(Zarr, ChunksOfEveryKindGiveTheSameSamples) {
         store_of({.compressor = std::string(R"({"id": ")") + way.first + R"("})",
                   .pack = [&](const std::string& b) { return deflated(b, way.second); }}),
         way.first);
+  }
+}
+
+// A chunk of halves 1 to 8, and chunks that are not there and hold 0.5.
+TEST(Zarr, HalvesBecomeFloat32) {
+  std::string little, big;
+  for (int i = 1; i <= 8; ++i) {
+    const std::uint16_t bits = bits_of(static_cast<float>(i), ShortFloat::kHalf);
+    little += {static_cast<char>(bits & 255U), static_cast<char>(bits >> 8U)};
+    big += {static_cast<char>(bits >> 8U), static_cast<char>(bits & 255U)};
+  }
+  const std::string third =
+      R"({"zarr_format": 3, "node_type": "array", "shape": [2, 2, 3], "data_type": "float16",)"
+      R"("chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [2, 2, 2]}},)"
+      R"("chunk_key_encoding": {"name": "default"}, "fill_value": 0.5,)"
+      R"("codecs": [{"name": "bytes", "configuration": {"endian": "big"}}]})";
+  const TestZarray second{.shape = "[2, 2, 3]", .dtype = "<f2", .fill = "0.5"};
+  for (const ZarrFiles& files : {ZarrFiles{{".zarray", zarray(second)}, {"0.0.0", little}},
+                                 ZarrFiles{{"zarr.json", third}, {"c/0/0/0", big}}}) {
+    const TestFolder folder;
+    const Dataset dataset = read_dataset({write_store(folder, "a.zarr", files)});
+    EXPECT_EQ(values_of<float>(dataset.array()),
+              (std::vector<float>{1, 2, 0.5, 3, 4, 0.5, 5, 6, 0.5, 7, 8, 0.5}));
   }
 }
 
@@ -503,7 +527,7 @@ TEST(Zarr, DescriptionsThatAreNotReadAreRefusedByName) {
   };
   expect_said(zarray({.filters = R"([{"id": "delta"}])"}), "filter 'delta'");
   expect_said(zarray({.compressor = R"({"id": "lzma"})"}), "is packed by 'lzma'");
-  expect_said(zarray({.dtype = "<f2"}), "'<f2'");
+  expect_said(zarray({.dtype = "<f3"}), "'<f3'");
   expect_said(zarray({.shape = "[0, 3, 4]"}), "shape[0] = 0: expected a whole number from 1");
   expect_said(zarray({.shape = "[2, 3, 1e300]"}), "shape[2]");
   expect_said(zarray({.chunks = "[0, 1, 1]"}), "chunks[0] = 0");

@@ -218,6 +218,7 @@ std::vector<Format> grids() {
        .begins = begins_like_vtk_xml,
        .library = "VTK",
        .companions = vtk_xml_companions,
+       .names_inputs = true,
        .outline = outline_of_vtk_xml,
        .time = time_of_vtk_xml,
        .writers = {{.endings = {".vti"},

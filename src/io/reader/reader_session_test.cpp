@@ -231,11 +231,14 @@ TEST_F(ReaderSessionTest, FilesOfOtherFoldersAreRefusedUnopened) {
     const std::vector<std::pair<std::string, std::string>> inputs{
         {"pvtu", pieces(name)},
         {"vtm", root("vtkMultiBlockDataSet", file)},
+        {"vtpc", root("vtkPartitionedDataSetCollection", "<Partitions>" + file + "</Partitions>")},
+        {"vtpd", root("vtkPartitionedDataSet", file)},
         {"pvd", root("Collection", file)},
         {"vthb", root("vtkOverlappingAMR", "<Block level=\"0\">" + file + "</Block>")},
         {"pvti", R"(<VTKFile type="PImageData"><PImageData WholeExtent="0 1 0 1 0 1"><Piece )"
                  R"(Extent="0 1 0 1 0 1" Source=")" +
                      name + R"("/></PImageData></VTKFile>)"},
+        {"vtu.series", R"({"file-series-version": "1.0", "files": [{"name": ")" + name + R"("}]})"},
     };
     for (const auto& [ending, content] : inputs) {
       const std::string path =

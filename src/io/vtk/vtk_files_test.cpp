@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// VTK's files as programs other than VTK write them, and what else stands in them beside numbers.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "io/core/base64.h"
+#include "io/core/test_deflate.h"
+#include "io/core/test_folder.h"
+#include "io/images/test_volumes.h"
+#include "ovoid/io.h"
+#include "ovoid/series.h"
+
+namespace ovoid::io {
+namespace vtk_files_test {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
+class VtkFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (error("probe.vti", vti(kValues)).find("no VTK") != std::string::npos)
+      GTEST_SKIP() << "this build has no VTK";
+  }
+
+  Dataset read(const std::string& name, const std::string& content,
+               const ReadOptions& options = {}) const {
+    return read_dataset({folder.write(name, content)}, options);
+  }
+  std::string error(const std::string& name, const std::string& content,
+                    const ReadOptions& options = {}) const {
+    return error_of([&] { read(name, content, options); });
+  }
+
+  // 3 x 2 x 2 samples.
+  static std::string vti(const std::string& points, const std::string& cells = "",
+                         const std::string& root = "", const std::string& behind = "") {
+    return R"(<VTKFile type="ImageData" byte_order="LittleEndian")" + root +
+           R"(><ImageData WholeExtent="0 2 0 1 0 1" Origin="1 2 3" Spacing="1 2 4">)"
+           R"(<Piece Extent="0 2 0 1 0 1"><PointData>)" +
+           points + "</PointData><CellData>" + cells + "</CellData></Piece></ImageData>" + behind +
+           "</VTKFile>";
+  }
+
+  static std::string array(const std::string& name, const std::string& type,
+                           const std::string& values) {
+    return fmt::format(R"(<DataArray Name="{}" type="{}" format="ascii">{}</DataArray>)", name,
+                       type, values);
+  }
+
+  // A tetrahedron whose first node has this value.
+  static std::string vtu(const std::string& value, const std::string& more = "") {
+    return R"(<VTKFile type="UnstructuredGrid"><UnstructuredGrid>
+<Piece NumberOfPoints="4" NumberOfCells="1"><PointData>)" +
+           (value.empty() ? "" : array("v", "Float32", value + " 2 3 4")) + more +
+           R"(</PointData>
+<Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">
+0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>
+<Cells><DataArray type="Int64" Name="connectivity" format="ascii">0 1 2 3</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">4</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">10</DataArray></Cells>
+</Piece></UnstructuredGrid></VTKFile>)";
+  }
+
+  static inline const std::string kValues =
+      R"(<DataArray Name="v" type="Int16" format="ascii">1 2 3 4 5 6 7 8 9 10 11 12</DataArray>)";
+
+  TestFolder folder;
+};
+
+// --- sets ---------------------------------------------------------------------------------------
+
+TEST_F(VtkFiles, PartitionedCollections) {
+  folder.write("a.vtu", vtu("1"));
+  folder.write("b.vtu", with(vtu("5"), "0 0 0 1 0 0 0 1 0 0 0 1", "9 0 0 8 0 0 9 1 0 9 0 1"));
+  const std::string both = R"(<DataSet index="0" file="a.vtu"/><DataSet index="1" file="b.vtu"/>)";
+  const Dataset all = read("a.vtpc", R"(<?xml version="1.0"?>
+<VTKFile type="vtkPartitionedDataSetCollection" version="1.0"><vtkPartitionedDataSetCollection>
+<Partitions index="0" name="solid">)" + both +
+                                         R"(</Partitions><Partitions index="1"/>
+<Partitions index="2"><DataSet index="0" file="b.vtu"/></Partitions>
+<DataAssembly encoding="base64">PD94bWw=</DataAssembly>
+</vtkPartitionedDataSetCollection></VTKFile>)");
+  EXPECT_EQ(all.format, "VTPC");
+  ASSERT_EQ(all.blocks.size(), 2U);
+  EXPECT_EQ(all.blocks[0].name, "solid");
+  EXPECT_EQ(all.blocks[0].description, "8 points, 2 cells");
+  EXPECT_EQ(all.blocks[1].name, "2");
+  const Dataset pieces =
+      read("a.vtpd", R"(<VTKFile type="vtkPartitionedDataSet"><vtkPartitionedDataSet>)" + both +
+                         "</vtkPartitionedDataSet></VTKFile>");
+  EXPECT_EQ(pieces.format, "VTPD");
+  EXPECT_TRUE(pieces.blocks.empty());
+  EXPECT_EQ(pieces.cells.count(), 2);
+  // Pieces of one block of blocks.
+  const Dataset blocks = read(
+      "a.vtm",
+      R"(<VTKFile type="vtkMultiBlockDataSet"><vtkMultiBlockDataSet><Piece index="0" name="p">)" +
+          both + R"(</Piece><DataSet index="1" file="a.vtu"/></vtkMultiBlockDataSet></VTKFile>)");
+  ASSERT_EQ(blocks.blocks.size(), 2U);
+  EXPECT_EQ(blocks.blocks[0].name, "p");
+  EXPECT_EQ(blocks.blocks[0].description, "8 points, 2 cells");
+  EXPECT_EQ(blocks.blocks[1].name, "1");
+}
+
+TEST_F(VtkFiles, FileSeries) {
+  folder.write("a.vtu", vtu("1"));
+  folder.write("b.vtu", vtu("5"));
+  folder.write("c.vtm", R"(<VTKFile type="vtkMultiBlockDataSet"><vtkMultiBlockDataSet>
+<DataSet index="0" file="b.vtu"/></vtkMultiBlockDataSet></VTKFile>)");
+  const auto series = [](const std::string& files) {
+    return R"({ "files": [)" + files + R"(], "file-series-version" : "1.0" })";
+  };
+  const std::string path =
+      folder.write("mesh.vtm.series",
+                   series(R"({"name": "c.vtm", "time": 0.5}, {"name": "./a.vtu", "time": -1})"));
+  const auto steps = open_steps({path});
+  EXPECT_EQ(steps->num_steps(), 2);
+  EXPECT_EQ(steps->times(), (std::vector<double>{-1, 0.5}));
+  EXPECT_EQ(values_of<float>(steps->read(0, {}).array("v"))[0], 1);
+  EXPECT_EQ(values_of<float>(steps->read(1, {}).array("v"))[0], 5);
+  EXPECT_EQ(files_read_for(path),
+            (std::vector{path, folder.file("a.vtu"), folder.file("c.vtm"), folder.file("b.vtu")}));
+  // Without times, or under another name.
+  EXPECT_EQ(read("a.json", R"({"file-series-version": "1.0", "files": [{"name": "a.vtu"}]})")
+                .array("v")
+                .num_tuples,
+            4);
+  EXPECT_TRUE(read("b.series", series(R"({"name": "a.vtu"}, {"name": "b.vtu"})")).times.empty());
+
+  const auto refusal = [&](const std::string& files) { return error("e.series", series(files)); };
+  EXPECT_THAT(refusal(R"({"name": "a.vtu", "time": 0}, {"name": "z.vtu", "time": 1})"),
+              HasSubstr("e.series: names a step that cannot be read: "));
+  EXPECT_THAT(refusal(R"({"name": "e.series"})"), HasSubstr("a file series within a file series"));
+  EXPECT_THAT(refusal(R"({"name": "../../a.vtu"})"), Not(HasSubstr("series within")));
+  EXPECT_THAT(refusal(""), HasSubstr("files = []: expected at least one file"));
+  EXPECT_THAT(refusal(R"({"time": 1})"), HasSubstr("files[0]: has no member name"));
+  EXPECT_THAT(refusal(R"({"name": 5})"), HasSubstr("files[0].name = 5: must be a string"));
+  EXPECT_THAT(error("e.series", "{"), HasSubstr("not JSON at byte"));
+}
+
+}  // namespace vtk_files_test
+}  // namespace ovoid::io

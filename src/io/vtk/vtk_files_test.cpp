@@ -77,6 +77,83 @@ class VtkFiles : public testing::Test {
   TestFolder folder;
 };
 
+std::vector<std::int16_t> one_to_twelve() {
+  std::vector<std::int16_t> values(12);
+  std::iota(values.begin(), values.end(), std::int16_t{1});
+  return values;
+}
+
+// --- samples that are hidden --------------------------------------------------------------------
+
+TEST_F(VtkFiles, HiddenSamplesAreMissing) {
+  const std::string ghosts = array("vtkGhostType", "UInt8", "2 0 0 1 0 0 0 0 0 0 0 0");
+  const std::string cells = array("c", "Int32", "7 8");
+  ReadOptions options;
+  options.array = "v";
+  for (const ReadOptions& wanted : {ReadOptions(), options}) {
+    const Dataset image = read("a.vti", vti(kValues + ghosts, cells), wanted);
+    EXPECT_EQ(image.arrays.size(), wanted.array.empty() ? 2U : 1U);
+    const auto values = values_of<float>(image.array("v"));
+    EXPECT_TRUE(std::isnan(values[0]));
+    EXPECT_EQ(std::vector(values.begin() + 1, values.end()),
+              (std::vector<float>{2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}));
+    EXPECT_THAT(image.notes, Contains(HasSubstr("1 samples and 1 cells are hidden")));
+    if (!wanted.array.empty()) continue;
+    // The cell at the hidden corner is not seen either; int32 needs float64.
+    const auto of_cells = values_of<double>(image.array("c"));
+    EXPECT_TRUE(std::isnan(of_cells[0]));
+    EXPECT_EQ(of_cells[1], 8);
+  }
+  // Duplicates are values like others.
+  const Dataset shared =
+      read("b.vti", vti(kValues + array("vtkGhostType", "UInt8", "1 1 0 0 0 0 0 0 0 0 0 0")));
+  EXPECT_EQ(values_of<std::int16_t>(shared.array()), one_to_twelve());
+  EXPECT_EQ(shared.arrays.size(), 1U);
+  EXPECT_THAT(error("c.vti", vti(ghosts)), HasSubstr("no array of numbers"));
+}
+
+// A hidden cell takes those samples with it that no other cell has: here x = 0.
+TEST_F(VtkFiles, HiddenCellsAreMissing) {
+  const Dataset image = read(
+      "a.vti", vti(kValues, array("c", "Float32", "7 8") + array("vtkGhostType", "UInt8", "32 0")));
+  const auto cells = values_of<float>(image.array("c"));
+  EXPECT_TRUE(std::isnan(cells[0]));
+  EXPECT_EQ(cells[1], 8);
+  const auto values = values_of<float>(image.array("v"));
+  for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(std::isnan(values[i]), i % 3 == 0) << i;
+}
+
+TEST_F(VtkFiles, HiddenSamplesOfPieces) {
+  const auto piece = [&](const std::string& name, const std::string& extent,
+                         const std::string& values, const std::string& ghosts) {
+    folder.write(name, R"(<VTKFile type="ImageData"><ImageData WholeExtent=")" + extent +
+                           R"(" Origin="0 0 0" Spacing="1 1 1"><Piece Extent=")" + extent +
+                           R"("><PointData>)" + array("v", "UInt8", values) +
+                           (ghosts.empty() ? "" : array("vtkGhostType", "UInt8", ghosts)) +
+                           "</PointData></Piece></ImageData></VTKFile>");
+  };
+  piece("a.vti", "0 2 0 0 0 0", "1 2 9", "2 0 1");
+  piece("b.vti", "2 3 0 0 0 0", "3 4", "");
+  const Dataset image = read("a.pvti", R"(<VTKFile type="PImageData">
+<PImageData WholeExtent="0 3 0 0 0 0" GhostLevel="0"><Piece Extent="0 2 0 0 0 0" Source="a.vti"/>
+<Piece Extent="2 3 0 0 0 0" Source="b.vti"/></PImageData></VTKFile>)");
+  const auto values = values_of<float>(image.array());
+  ASSERT_EQ(values.size(), 4U);
+  EXPECT_TRUE(std::isnan(values[0]));
+  EXPECT_EQ(std::vector(values.begin() + 1, values.end()), (std::vector<float>{2, 3, 4}));
+  EXPECT_EQ(image.arrays.size(), 1U);
+}
+
+TEST_F(VtkFiles, GhostLevelsOfOldFilesAreDuplicates) {
+  const std::string levels = R"(<CellData><DataArray Name="vtkGhostLevels" type="UInt8"
+format="ascii">1</DataArray></CellData><Points>)";
+  for (const char* const version : {"0.1", "2.0"}) {
+    const std::string content = with(with(vtu("1"), "<Points>", levels), "<VTKFile ",
+                                     fmt::format("<VTKFile version=\"{}\" ", version));
+    EXPECT_THAT(error("a.vtu", content), HasSubstr("all 1 cells or points are hidden")) << version;
+  }
+}
+
 // --- sets ---------------------------------------------------------------------------------------
 
 TEST_F(VtkFiles, PartitionedCollections) {

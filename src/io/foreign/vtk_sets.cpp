@@ -123,7 +123,7 @@ class SetReader {
     for (const LeafFile& leaf : leaves_) {
       const auto source = open_file(leaf.path);
       if (!is_xml(*source)) return std::nullopt;
-      VtkOutline known = grid_outline_of_vtk_xml(*source);
+      VtkOutline known = outline_of_vtk_xml_leaf(*source);
       const bool is_grid =
           known.grid == VtkGrid::kUnstructured || known.grid == VtkGrid::kStructured;
       if (!is_grid || !known.is_plain) return std::nullopt;

@@ -79,7 +79,7 @@ class SetReader {
       return one;
     };
     if (options.share) {
-      if (const auto known = outlines()) {
+      if (const auto known = outlines(); known && are_chosen_by_headers(*known, options)) {
         Dataset share = mesh_share_of_parts(std::move(dataset), *known, part, options);
         share.notes.insert(share.notes.begin(), notes_.begin(), notes_.end());
         return share;

@@ -75,11 +75,10 @@ std::int64_t drop_ghosts(MeshPart& part);
 
 // Makes the dataset of all parts: kMesh, or kParticles if there are no cells but vertices. Empty
 // parts are passed over; the others go through check_mesh and drop_ghosts. `dataset` has source,
-// format and notes. With options.block the parts of that block alone; else all, if they share an
-// array, or the largest block. Nodes of different parts at exactly the same place become one.
-// Of a mesh options.array alone is kept, of particles all arrays. Throws Error(kInvalidArgument)
-// for an unknown block or array, Error(kFileFormat) if nothing, or no array,
-// is left.
+// format and notes. Which blocks are read, choose_blocks() says. Nodes of different parts at
+// exactly the same place become one. Of a mesh options.array alone is kept, of particles all
+// arrays; a mesh without arrays gets zeros at its nodes, called "nothing". Throws
+// Error(kInvalidArgument) for an unknown block or array, Error(kFileFormat) if nothing is left.
 Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOptions& options);
 
 }  // namespace ovoid::io

@@ -367,5 +367,12 @@ TEST_F(VtkFiles, FileSeries) {
   EXPECT_THAT(error("e.series", "{"), HasSubstr("not JSON at byte"));
 }
 
+TEST_F(VtkFiles, MeshesWithoutArrays) {
+  const Dataset mesh = read("a.vtu", vtu(""));
+  EXPECT_EQ(mesh.kind, DatasetKind::kMesh);
+  EXPECT_EQ(mesh.cells.count(), 1);
+  EXPECT_THAT(mesh.notes, Contains(HasSubstr("its surface can be drawn, without values")));
+}
+
 }  // namespace vtk_files_test
 }  // namespace ovoid::io

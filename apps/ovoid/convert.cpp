@@ -132,7 +132,9 @@ void run_convert(const Words& words, Session& session) {
   take_from_model(&convert.data, &convert.model);
   if (may_keep_steps(convert) && write_staggered_steps(convert, session)) return;
   if (convert.lattice && is_in_time(*convert.lattice)) return convert_in_time(convert, session);
-  Dataset dataset = converted(convert, flags, load(convert.data, session), session);
+  const Dataset loaded = load(convert.data, session);
+  require_values(loaded, "convert");
+  Dataset dataset = converted(convert, flags, loaded, session);
   if (convert.data.time) {
     // What is written is one step, at that time and not at a step's.
     dataset.num_steps = 1;

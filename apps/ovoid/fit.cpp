@@ -29,6 +29,7 @@ void run_fit(const Words& words, Session& session) {
   take_from_model(&fit.data, &fit.model);
 
   const Dataset dataset = load(fit.data, session);
+  require_values(dataset, "fit");
   const Stopwatch watch;
   const FitReport report = [&] {
     Progress progress("fitting");

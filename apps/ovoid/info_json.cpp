@@ -8,6 +8,7 @@
 #include "array_facts.h"
 #include "histogram.h"
 #include "info.h"
+#include "load.h"
 #include "make_field.h"
 #include "ovoid/error.h"
 #include "ovoid/look.h"
@@ -288,7 +289,8 @@ Json info_json(const Dataset& dataset, const ModelFlags& model, const Flags& fla
   json["times"] = dataset.times;
   json["time_unit"] = dataset.time_unit;
   json["arrays"] = Json::array();
-  for (const DataArray& array : dataset.arrays) json["arrays"].push_back(json_of(array));
+  if (!has_no_values(dataset))
+    for (const DataArray& array : dataset.arrays) json["arrays"].push_back(json_of(array));
   json["field"] = try_field(dataset, model, flags, session);
   return json;
 }

@@ -10,6 +10,7 @@
 
 #include "environment.h"
 #include "make_field.h"
+#include "make_geometry.h"
 #include "ovoid/error.h"
 #include "ovoid/slices.h"
 #include "team.h"
@@ -23,6 +24,19 @@ void check_format_flags(const DataFlags& data, const Dataset& dataset) {
   if (given == nullptr || dataset.format == "HDF5") return;
   throw Error(ErrorCode::kInvalidArgument, fmt::format("{}: is for HDF5 files, '{}' is {}", given,
                                                        dataset.source, dataset.format));
+}
+
+bool has_no_values(const Dataset& dataset) {
+  return dataset.kind == DatasetKind::kMesh && dataset.arrays.size() == 1 &&
+         dataset.arrays.front().name == kNothing;
+}
+
+void require_values(const Dataset& dataset, const char* command) {
+  if (!has_no_values(dataset)) return;
+  throw Error(ErrorCode::kInvalidArgument,
+              fmt::format("{}: '{}' has no array of numbers at its points or cells: expected some; "
+                          "'ovoid render' draws its surface",
+                          command, dataset.source));
 }
 
 void take_from_model(DataFlags* data, ModelFlags* model) {

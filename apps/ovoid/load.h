@@ -28,4 +28,9 @@ void check_format_flags(const DataFlags& data, const Dataset& dataset);
 // for another format than the input's.
 Dataset load(const DataFlags& data, Session& session);
 
+// Is it a mesh whose file has no array, which has zeros instead, so that its surface can be drawn?
+bool has_no_values(const Dataset& dataset);
+// Throws Error(kInvalidArgument) if so. `command` is what needs values.
+void require_values(const Dataset& dataset, const char* command);
+
 }  // namespace ovoid::cli

@@ -27,9 +27,6 @@ namespace {
 constexpr Rgb kGeometryColors[] = {
     {0.9, 0.87, 0.78}, {0.55, 0.66, 0.78}, {0.8, 0.5, 0.32}, {0.5, 0.64, 0.4}};
 
-// Of the array of what has none (ReadOptions::faces).
-constexpr std::string_view kNothing = "nothing";
-
 // The one of that number; of fewer the last.
 template <class T>
 T nth(const std::vector<T>& values, std::size_t n, const T& without) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,9 @@
 #include "settings.h"
 
 namespace ovoid::cli {
+
+// The array of zeros that a mesh without arrays has (ReadOptions::faces).
+inline constexpr std::string_view kNothing = "nothing";
 
 // The surfaces of --add and the slices of --slice, in their colours. `field`: what slices show.
 // Throws Error for what is no surface.

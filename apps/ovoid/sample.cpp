@@ -81,6 +81,7 @@ void run_sample(const Words& words, Session& session) {
   take_from_model(&sample.data, &sample.model);
   sample.data.may_stay_in_file = true;
   const Dataset dataset = load(sample.data, session);
+  require_values(dataset, "sample");
   check_kind_flags(flags, dataset);
   const Modelled modelled = make_field(dataset, sample.model, 0, session);
   const Dataset samples = [&] {

@@ -24,10 +24,12 @@ namespace {
 namespace fs = std::filesystem;
 using Files = std::vector<std::string>;
 
-// False if there is no such file.
+// False if there is no such file. A device or a pipe is told by who reads it, or refused where it
+// lies elsewhere; it is not opened here.
 bool add(Files& files, const std::string& file) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(file, ignored)) return false;
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (error || !fs::exists(status) || fs::is_directory(status)) return false;
   files.push_back(file);
   return true;
 }
@@ -40,16 +42,6 @@ Files data_files(const ByteSource& header, const std::optional<DataFiles>& named
        ++i) {
   }
   return files;
-}
-
-void add_set(Files& files, const ByteSource& source, int depth) {
-  if (!is_vtk_set(vtk_xml_type(source)) || depth > kMaxVtkSetDepth) return;
-  for (const VtkSetFile& file : vtk_set_files(source)) {
-    if (static_cast<std::int64_t>(files.size()) >= kMaxVtkSetFiles) return;
-    if (!add(files, file.path)) continue;
-    const auto inner = open_file(file.path);
-    if (begins_like_vtk_xml(inner->text(0, 512))) add_set(files, *inner, depth + 1);
-  }
 }
 
 // Asterisks stand for a number.
@@ -95,7 +87,8 @@ Files nifti_companions(const ByteSource& source) {
 Files vtk_xml_companions(const ByteSource& source) {
   Files files;
   try {
-    add_set(files, source, 1);
+    if (!is_vtk_set(vtk_xml_type(source))) return files;
+    for (const VtkSetFile& file : vtk_set_files(source)) add(files, file.path);
   } catch (const Error&) {
     // What is broken is told by who reads it; the files before it belong to the input.
   }

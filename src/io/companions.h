@@ -14,7 +14,7 @@ namespace ovoid::io {
 std::vector<std::string> nrrd_companions(const ByteSource& source);
 std::vector<std::string> metaimage_companions(const ByteSource& source);
 std::vector<std::string> nifti_companions(const ByteSource& source);    // the samples of a pair
-std::vector<std::string> vtk_xml_companions(const ByteSource& source);  // of sets within sets
+std::vector<std::string> vtk_xml_companions(const ByteSource& source);  // whose own may be more
 std::vector<std::string> ensight_companions(const ByteSource& source);
 
 // NAME, NAME.hierarchy and what is named in it, which lies beside it whatever folder it says.

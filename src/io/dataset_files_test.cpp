@@ -272,6 +272,7 @@ TEST(DatasetFiles, ReadErrors) {
   folder.write("a.gz", "\x1f\x8b\x08");
   const std::string readable =
       "NRRD, NIfTI, MetaImage, SLC, NPY, TIFF, Zarr, netCDF, OpenVDB, folder of slices, VTK XML, "
+      "VTK file series, "
       "legacy "
       "VTK, "
       "VTKHDF, "

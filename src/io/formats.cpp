@@ -37,6 +37,7 @@
 #include "io/points/point_text.h"
 #include "io/reader/reader_session.h"
 #include "io/step_times.h"
+#include "io/vtk/file_series.h"
 #include "io/vtk/legacy_vtk_write.h"
 #include "io/vtk/vti_write.h"
 #include "io/vtk/vtk_set_files.h"
@@ -214,11 +215,12 @@ std::vector<Format> images() {
 std::vector<Format> grids() {
   return {
       {.name = "VTK XML",
-       .endings = {".vti", ".vtr", ".vts", ".vtu", ".vtp", ".vtm", ".vth", ".vthb", ".pvti",
-                   ".pvtr", ".pvts", ".pvtu", ".pvtp", ".pvd"},
+       .endings = {".vti", ".vtr", ".vts", ".vtu", ".vtp", ".vtm", ".vtpc", ".vtpd", ".vth",
+                   ".vthb", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvtp", ".pvd"},
        .begins = begins_like_vtk_xml,
        .library = "VTK",
        .companions = vtk_xml_companions,
+       .names_inputs = true,
        .outline = outline_of_vtk_xml,
        .time = time_of_vtk_xml,
        .writers = {{.endings = {".vti"},
@@ -226,6 +228,12 @@ std::vector<Format> grids() {
                     .write = write_vti,
                     .place = PlaceInFile::kNoSpace},
                    {.endings = {".vtu"}, .kinds = {kMesh}, .write = write_vtu}}},
+      {.name = kFileSeries,
+       .endings = {".series"},
+       .is_file = is_file_series,
+       .read = read_file_series,
+       .companions = file_series_companions,
+       .names_inputs = true},
       {.name = "legacy VTK",
        .endings = {".vtk"},
        .begins = begins_like_legacy_vtk,

@@ -58,9 +58,10 @@ struct Format {
   bool says_spacing = true;  // --spacing too
   bool says_axes = true;     // and --axis-order
 
-  // The files that belong to the one named, beside it and as far as they are there.
+  // The files that belong to the one named, beside it and as far as they are there. Opens none.
   std::vector<std::string> (*companions)(const ByteSource&) = nullptr;
-  std::vector<DatasetKind> kinds = {};                         // that it may hold; empty: any
+  bool names_inputs = false;            // of which each may have companions of its own
+  std::vector<DatasetKind> kinds = {};  // that it may hold; empty: any
   StepOutline (*outline)(const ByteSource&) = nullptr;         // what more a header tells
   std::optional<double> (*time)(const ByteSource&) = nullptr;  // that the file names
 

@@ -4,13 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <set>
 #include <system_error>
 #include <utility>
 
 #include "io/dicom/dicom.h"
 #include "io/formats.h"
 #include "io/images/slices.h"
+#include "io/vtk/vtk_set_files.h"
 #include "io/zarr/zarr.h"
 #include "ovoid/error.h"
 
@@ -74,6 +78,72 @@ class AllowedPlaces {
   std::vector<fs::path> folders_;
 };
 
+// Sees the name of a file that an input names, before anything is opened. May throw.
+using NameCheck = std::function<void(const std::string& file)>;
+
+// The files of an input that names others, which may be inputs that name more.
+class CompanionFiles {
+ public:
+  CompanionFiles(std::vector<std::string>& files, NameCheck check)
+      : files_(files), check_(std::move(check)) {}
+
+  void add_those_of(const std::string& path) { add_companions(path, 1); }
+
+ private:
+  void add_companions(const std::string& path, int depth) {
+    const Format* format = nullptr;
+    std::vector<std::string> named;
+    try {
+      const auto source = open_file(path);
+      format = format_by_content(*source);
+      if (format == nullptr || format->companions == nullptr) return;
+      named = format->companions(*source);
+    } catch (const Error&) {
+      return;  // it is not for this to tell
+    }
+    for (const std::string& file : named) {
+      check_(file);
+      // A set may name itself, or the same set many times.
+      if (static_cast<std::int64_t>(files_.size()) > kMaxVtkSetFiles) return;
+      files_.push_back(file);
+      const bool may_name_more = format->names_inputs && depth < kMaxVtkSetDepth;
+      if (may_name_more && known_.insert(file).second) add_companions(file, depth + 1);
+    }
+  }
+
+  std::vector<std::string>& files_;
+  NameCheck check_;
+  std::set<std::string> known_;
+};
+
+// files_read_for(); `check` sees what the input names.
+std::vector<std::string> files_of_input(const std::string& path, const NameCheck& check) {
+  std::vector<std::string> files{path};
+  const auto add = [&](const std::vector<std::string>& more) {
+    files.insert(files.end(), more.begin(), more.end());
+  };
+  try {
+    if (const std::string description = zarr_description_of(path); description != path) {
+      files.push_back(description);
+      return files;
+    }
+    if (is_folder(path)) {
+      if (is_slice_folder(path)) {
+        add(slice_files_in(path));
+        return files;
+      }
+      add(dicom_files_in(path));
+      std::erase_if(files,
+                    [&](const std::string& file) { return file != path && !is_dicom_file(file); });
+      return files;
+    }
+  } catch (const Error&) {
+    return files;  // it is not for this function to tell
+  }
+  CompanionFiles(files, check).add_those_of(path);
+  return files;
+}
+
 }  // namespace
 
 std::vector<std::string> files_that_may_be_read(const std::vector<std::string>& inputs,
@@ -82,7 +152,8 @@ std::vector<std::string> files_that_may_be_read(const std::vector<std::string>& 
   for (const std::string& input : inputs) {
     const AllowedPlaces places(input, options);
     const bool is_named = !is_folder(input);  // what lies in a folder, the user named with it
-    for (const std::string& file : files_read_for(input)) {
+    const auto check = [&](const std::string& file) { places.check(file); };
+    for (const std::string& file : files_of_input(input, check)) {
       std::string real = is_named ? places.check(file) : real_path(file).string();
       if (!real.empty()) files.push_back(std::move(real));
     }
@@ -115,32 +186,7 @@ Opener opener_of_named_files(const std::string& input, const ReadOptions& option
 namespace ovoid {
 
 std::vector<std::string> files_read_for(const std::string& path) {
-  std::vector<std::string> files{path};
-  const auto add = [&](const std::vector<std::string>& more) {
-    files.insert(files.end(), more.begin(), more.end());
-  };
-  try {
-    if (const std::string description = io::zarr_description_of(path); description != path) {
-      files.push_back(description);
-      return files;
-    }
-    if (io::is_folder(path)) {
-      if (io::is_slice_folder(path)) {
-        add(io::slice_files_in(path));
-        return files;
-      }
-      add(io::dicom_files_in(path));
-      std::erase_if(
-          files, [&](const std::string& file) { return file != path && !io::is_dicom_file(file); });
-      return files;
-    }
-    const auto source = io::open_file(path);
-    const io::Format* const format = io::format_by_content(*source);
-    if (format != nullptr && format->companions != nullptr) add(format->companions(*source));
-  } catch (const Error&) {
-    // It is not for this function to tell.
-  }
-  return files;
+  return io::files_of_input(path, [](const std::string&) {});
 }
 
 }  // namespace ovoid

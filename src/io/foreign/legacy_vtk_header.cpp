@@ -388,7 +388,7 @@ class LegacyChecker {
       array.num_components = integer(array.what, 1, kMaxVtkComponents);
       array.num_tuples = integer(array.what, 0, kMaxNumBytes);
       array.type = keyword();
-      if (array.type == "string") {
+      if (is_legacy_text(array.type)) {
         pass_strings(array);
         pass_metadata(array);
       } else {
@@ -401,7 +401,7 @@ class LegacyChecker {
   void check_numbers(const LegacyArray& array) {
     if (++num_arrays_ > kMaxVtkArrays)
       fail(fmt::format("has more than {} arrays", kMaxVtkArrays), ErrorCode::kUnsupported);
-    if (!find_legacy_type(array.type) || array.type == "string") {
+    if (!find_legacy_type(array.type)) {
       fail(
           fmt::format("{}: type '{}': expected char, short, int, long, float or another of VTK's "
                       "types of numbers",
@@ -455,20 +455,13 @@ class LegacyChecker {
 
   void pass_strings(const LegacyArray& array) {
     const std::int64_t num_values = checked_num_values(array);
-    // A string of VTK's takes many times the memory that an empty one takes in the file.
-    constexpr std::int64_t kMaxStrings = 1 << 20;
-    num_strings_ += num_values;
-    if (num_strings_ > kMaxStrings) {
-      fail(fmt::format("{}: more than {} strings are not read", array.what, kMaxStrings),
-           ErrorCode::kUnsupported);
-    }
     if (is_binary_)
       pass_line_end(array);
     else
       text_.line();
     for (std::int64_t i = 0; i < num_values; ++i) {
       if (text_.num_left() == 0) fail_to_fit(array);
-      if (!is_binary_) {
+      if (!is_binary_ || array.type == "variant") {
         text_.line();
         continue;
       }
@@ -580,7 +573,6 @@ class LegacyChecker {
   std::optional<std::int64_t> num_points_, num_cells_;
   std::int64_t num_tuples_ = -1;  // of the section's arrays; -1 before the first
   std::int64_t num_arrays_ = 0;
-  std::int64_t num_strings_ = 0;
 };
 
 }  // namespace

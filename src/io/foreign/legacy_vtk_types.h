@@ -12,15 +12,19 @@
 namespace ovoid::io {
 
 struct ValueType {
-  std::int64_t size = 0;  // bytes when binary; 0 for bits and text
+  std::int64_t size = 0;  // bytes when binary; 0 for bits
   NumberKind kind = NumberKind::kInteger;
 };
 
-// The types of numbers. "bit" and "string" have sizes of their own.
+// Words for text, which may stand in fields: "variant" for values of any type, one to a line.
+inline bool is_legacy_text(const std::string& type) {
+  return type == "string" || type == "utf8_string" || type == "variant";
+}
+
+// The types of numbers. "bit" has a size of its own.
 inline std::optional<ValueType> find_legacy_type(const std::string& name) {
   constexpr auto kLong = static_cast<std::int64_t>(sizeof(long));  // as VTK reads it
   static const std::map<std::string, ValueType> kTypes{{"bit", {0}},
-                                                       {"string", {0}},
                                                        {"char", {1}},
                                                        {"signed_char", {1}},
                                                        {"unsigned_char", {1}},

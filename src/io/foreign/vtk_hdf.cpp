@@ -9,6 +9,7 @@
 #include "io/foreign/mesh_readers.h"
 #include "io/foreign/vtk_reading.h"
 #include "io/foreign/vtk_timed.h"
+#include "io/vtk/image_ghosts.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -25,7 +26,9 @@ Dataset read_vtk_hdf(const ByteSource& source, const ReadOptions& options) {
   dataset.source = source.name();
   dataset.format = "VTKHDF";
   dataset.notes = run.notes;
-  return dataset_of(source, data, std::move(dataset), options);
+  dataset = dataset_of(source, data, std::move(dataset), options);
+  if (dataset.kind == DatasetKind::kLattice) hide_ghosts(dataset);
+  return dataset;
 }
 
 }  // namespace ovoid::io

@@ -15,6 +15,7 @@
 #include <vtkPointData.h>
 #include <vtkRectilinearGrid.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "io/core/samples.h"
@@ -23,6 +24,7 @@
 #include "io/foreign/vtk_reading.h"
 #include "io/foreign/vtk_timed.h"
 #include "io/meshes/mesh_parts.h"
+#include "io/vtk/image_ghosts.h"
 #include "io/vtk/rectilinear.h"
 
 namespace ovoid::io {
@@ -72,13 +74,14 @@ std::optional<LatticeGeometry> lattice_of(const ByteSource& source, vtkDataSet* 
   return lattice_of(source, vtkImageData::SafeDownCast(data));
 }
 
-// Takes over the arrays of points or cells that hold numbers, one tuple for each sample; adds the
-// names of those that it could take to `names`.
+// Takes over the arrays of points or cells that hold numbers, one tuple for each sample, and
+// ghosts, whatever is wanted; adds the names of those that it could take to `names`.
 void add_arrays(Dataset& dataset, vtkFieldData* fields, std::int64_t num_expected,
                 bool is_cell_data, const std::string& wanted, std::vector<std::string>& names) {
   for (VtkArray& array : numbers_of(dataset.source, fields, num_expected, is_cell_data)) {
-    const bool is_wanted = wanted.empty() || array.name == wanted;
-    if (array.numbers) names.push_back(array.name);
+    const bool is_of_ghosts = array.numbers && is_ghost_array(*array.numbers);
+    const bool is_wanted = wanted.empty() || array.name == wanted || is_of_ghosts;
+    if (array.numbers && !is_of_ghosts) names.push_back(array.name);
     if (!is_wanted) continue;
     if (array.numbers)
       dataset.arrays.push_back(std::move(*array.numbers));
@@ -94,8 +97,9 @@ Dataset lattice_of_leaf(const ByteSource& source, vtkDataSet* image, LatticeGeom
   add_arrays(dataset, image->GetPointData(), image->GetNumberOfPoints(), false, options.array,
              names);
   add_arrays(dataset, image->GetCellData(), image->GetNumberOfCells(), true, options.array, names);
-  if (dataset.arrays.empty() && !names.empty()) throw_no_array(source, options.array, names);
-  if (dataset.arrays.empty()) {
+  const bool is_found = !std::all_of(dataset.arrays.begin(), dataset.arrays.end(), is_ghost_array);
+  if (!is_found && !names.empty()) throw_no_array(source, options.array, names);
+  if (!is_found) {
     throw Error(
         options.array.empty() ? ErrorCode::kFileFormat : ErrorCode::kInvalidArgument,
         fmt::format("{}: {}", source.name(),
@@ -120,6 +124,7 @@ Dataset read_vtk_file(const ByteSource& source, bool is_xml, const ReadOptions& 
   dataset.format = format_of_leaf(leaf.grid, is_xml);
   dataset.notes = std::move(run.notes);
   dataset = dataset_of(source, leaf.data, std::move(dataset), options);
+  if (dataset.kind == DatasetKind::kLattice) hide_ghosts(dataset);
   if (dataset.kind != DatasetKind::kParticles || !leaf.has_one_array) return dataset;
   // That its cells are vertices is known only now. What was read is let go first.
   leaf = {};

@@ -24,6 +24,10 @@ struct VtkLeaf {
 VtkLeaf read_vtk_leaf(const ByteSource& source, bool is_xml, const ReadOptions& options,
                       VtkRun& run);
 
+// What an XML file says of itself (vtk_header.h), also where its base64 is put right for VTK.
+// Throws Error.
+VtkOutline outline_of_vtk_xml_leaf(const ByteSource& source);
+
 // "VTU" and so on, or "legacy VTK".
 const char* format_of_leaf(VtkGrid grid, bool is_xml) noexcept;
 

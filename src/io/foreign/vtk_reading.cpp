@@ -12,6 +12,7 @@
 #include <vtkInformationStringKey.h>
 #include <vtkNew.h>
 #include <vtkSmartPointer.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
 #include <array>
@@ -99,6 +100,18 @@ std::optional<ScalarType> scalar_type_of(int vtk_type) {
   }
 }
 
+namespace {
+
+// Bits take a byte each here.
+vtkSmartPointer<vtkDataArray> without_bits(vtkDataArray* array) {
+  if (array == nullptr || array->GetDataType() != VTK_BIT) return array;
+  const auto bytes = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  bytes->DeepCopy(array);
+  return bytes;
+}
+
+}  // namespace
+
 Bytes share(vtkDataArray* array, std::int64_t num_bytes) {
   vtkSmartPointer<vtkDataArray> plain = array;
   if (!array->HasStandardMemoryLayout()) {
@@ -122,8 +135,9 @@ std::vector<VtkArray> numbers_of(const std::string& source, vtkFieldData* fields
     result.name = abstract->GetName() != nullptr ? abstract->GetName() : "";
     if (result.name.empty())
       result.name = fmt::format("{}{}", is_cell_data ? "cells" : "points", i);
-    vtkDataArray* const array = vtkDataArray::SafeDownCast(abstract);
-    const auto type = scalar_type_of(abstract->GetDataType());
+    const vtkSmartPointer<vtkDataArray> array = without_bits(vtkDataArray::SafeDownCast(abstract));
+    const auto type =
+        scalar_type_of(array != nullptr ? array->GetDataType() : abstract->GetDataType());
     if (array == nullptr || !type || array->GetNumberOfTuples() != num_expected ||
         array->GetNumberOfComponents() < 1) {
       result.note = fmt::format(

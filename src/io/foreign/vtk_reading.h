@@ -43,7 +43,7 @@ class VtkRun {
 // The file for VTK's readers, some of which know no file without a folder.
 std::string path_for_vtk(const ByteSource& source);
 
-// The type of VTK's type number; empty for bits and text.
+// The type of VTK's type number; empty for text, and for bits.
 std::optional<ScalarType> scalar_type_of(int vtk_type);
 
 // The array's memory, shared with it; copied if its layout is not the plain one.
@@ -56,7 +56,7 @@ struct VtkArray {
   std::string note;
 };
 
-// All arrays of `fields`, which should have `num_expected` tuples.
+// All arrays of `fields`, which should have `num_expected` tuples; bits as uint8.
 std::vector<VtkArray> numbers_of(const std::string& source, vtkFieldData* fields,
                                  std::int64_t num_expected, bool is_cell_data);
 

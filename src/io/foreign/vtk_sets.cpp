@@ -62,7 +62,7 @@ class SetReader {
       for (const VtkSetFile& file : vtk_set_files(*source)) {
         const std::string joined =
             block.empty() || file.block.empty() ? block + file.block : block + "/" + file.block;
-        add(file.path, type == "vtkMultiBlockDataSet" ? joined : block, depth + 1);
+        add(file.path, joined, depth + 1);
       }
       return;
     }
@@ -79,7 +79,7 @@ class SetReader {
       return one;
     };
     if (options.share) {
-      if (const auto known = outlines()) {
+      if (const auto known = outlines(); known && are_chosen_by_headers(*known, options)) {
         Dataset share = mesh_share_of_parts(std::move(dataset), *known, part, options);
         share.notes.insert(share.notes.begin(), notes_.begin(), notes_.end());
         return share;
@@ -92,6 +92,14 @@ class SetReader {
   }
 
   const std::vector<std::string>& notes() const noexcept { return notes_; }
+
+  // The file, if it is all that was added and its samples may be a lattice's; else empty.
+  std::string only_grid() const {
+    if (leaves_.size() != 1) return {};
+    const auto source = open_file(leaves_.front().path);
+    const std::string type = is_xml(*source) ? vtk_xml_type(*source) : "";
+    return type == "ImageData" || type == "RectilinearGrid" ? leaves_.front().path : "";
+  }
 
   AmrGrid grid(const VtkSetFile& file) {
     count_file(file.path);
@@ -115,7 +123,7 @@ class SetReader {
     for (const LeafFile& leaf : leaves_) {
       const auto source = open_file(leaf.path);
       if (!is_xml(*source)) return std::nullopt;
-      VtkOutline known = grid_outline_of_vtk_xml(*source);
+      VtkOutline known = outline_of_vtk_xml_leaf(*source);
       const bool is_grid =
           known.grid == VtkGrid::kUnstructured || known.grid == VtkGrid::kStructured;
       if (!is_grid || !known.is_plain) return std::nullopt;
@@ -229,6 +237,11 @@ Dataset read_vtk_set(const ByteSource& source, const std::string& xml_type,
   }
   SetReader reader(options);
   reader.add(source.name(), "", 1);
+  if (const std::string path = reader.only_grid(); !path.empty()) {
+    Dataset grid = read_vtk_file(*open_file(path), true, options);
+    grid.format = dataset.format;
+    return grid;
+  }
   return reader.mesh(std::move(dataset), options);
 }
 

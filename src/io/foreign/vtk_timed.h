@@ -24,7 +24,8 @@ Dataset read_timed(const ByteSource& source, const std::string& format, vtkAlgor
                    const ReadOptions& options, const std::function<void()>& set_up = {},
                    const std::function<std::string(const std::string&)>& rename = {});
 
-// An image or a rectilinear grid of equal spacing as a lattice, everything else as a mesh.
+// An image or a rectilinear grid of equal spacing as a lattice, with its ghost arrays
+// (io/vtk/image_ghosts.h), everything else as a mesh.
 // `dataset` has source, format and notes. In vtk_image.cpp.
 Dataset dataset_of(const ByteSource& source, vtkDataSet* data, Dataset dataset,
                    const ReadOptions& options);

@@ -75,7 +75,6 @@ class XmlArrays {
   std::int64_t data_begin(const StoredArray& array) const;
   std::int64_t data_end(const StoredArray& array) const;
   std::vector<std::uint64_t> read_words(const StoredArray& array, std::size_t count) const;
-  static std::string decode_base64(std::string_view text, std::size_t num_bytes);
   void check_text(const StoredArray& array, const std::string& what) const;
   StoredSize plain_size(const StoredArray& array) const;
   std::vector<std::uint64_t> stated_words(const StoredArray& array, std::size_t count) const;

@@ -97,16 +97,16 @@ TEST(VtiHeader, RefusesDataThatEndEarly) {
   EXPECT_EQ(vti_error(base64), "");
   EXPECT_EQ(vti_error(base64.substr(0, base64.size() - 4)),
             "file-format: a.vti: array 'a > b': holds 11 bytes, its header says 12: is the file "
-            "truncated, or its base64 not in one line?");
+            "truncated?");
 }
 
 TEST(VtiHeader, RefusesTextThatDoesNotHoldItsArray) {
   EXPECT_EQ(vti_error(inline_data("binary", kBase64.substr(0, 12) + "\n" + kBase64.substr(12))),
             "file-format: a.vti: array 'v': holds 5 bytes, its header says 12: is the file "
-            "truncated, or its base64 not in one line?");
+            "truncated?");
   EXPECT_EQ(vti_error(inline_data("binary", kBase64.substr(0, 18))),
             "file-format: a.vti: array 'v': holds 9 bytes, its header says 12: is the file "
-            "truncated, or its base64 not in one line?");
+            "truncated?");
   EXPECT_EQ(vti_error(inline_data("ascii", "1 2 3 4 5 6 7 8 9 10 11                ")),
             "file-format: a.vti: array 'v': holds 11 numbers, 12 tuples of 1 UInt8 need more");
   EXPECT_EQ(vti_error(inline_data("ascii", "1 2 3 4.5 5 6 7 8 9 10 11 12")),
@@ -150,9 +150,25 @@ TEST(VtiHeader, RefusesPlacesThatAreNoNumbers) {
             "file-format: a.vti: Direction=\"1 0 0\": expected 9 numbers");
 }
 
-TEST(VtiHeader, RefusesTextAsSamples) {
-  EXPECT_EQ(vti_error(inline_data("ascii", "", "String")),
-            "unsupported: a.vti: array 'v': holds text: expected numbers in PointData");
+// VTK is told to leave text out, so that nothing of it has to be right.
+TEST(VtiHeader, TellsWhichArraysAreText) {
+  const auto texts = [](const std::string& content) {
+    return check_vtk_xml(*open_memory("a.vti", std::as_bytes(std::span(content)))).texts;
+  };
+  const auto of_points = texts(inline_data("ascii", "", "String"));
+  ASSERT_EQ(of_points.size(), 1U);
+  EXPECT_EQ(of_points[0].name, "v");
+  EXPECT_FALSE(of_points[0].is_cell_data);
+  const auto of_cells = texts(with(kAppended, "</PointData>",
+                                   R"(</PointData><CellData><Array Name="&lt;" type="String" )"
+                                   R"(format="ascii">65</Array></CellData>)"));
+  ASSERT_EQ(of_cells.size(), 1U);
+  EXPECT_EQ(of_cells[0].name, "<");
+  EXPECT_TRUE(of_cells[0].is_cell_data);
+  EXPECT_EQ(vti_error(inline_data("ascii", "", "Variant")),
+            "unsupported: a.vti: array 'v': type 'Variant': expected String, Bit or a type of "
+            "numbers");
+  EXPECT_TRUE(texts(kAppended).empty());
   EXPECT_EQ(vti_error(with(kAppended, "<Piece",
                            R"(<FieldData><Array type="String" Name="t" format="ascii">65 0</Array>)"
                            "</FieldData><Piece")),

@@ -17,9 +17,6 @@
 namespace ovoid::io {
 namespace {
 
-constexpr const char* kAmrGhostArray = "vtkGhostType";
-constexpr unsigned kUnseenCell = 1 | 8 | 32;  // duplicate, refined, hidden: VTK's bits
-
 void check_grid(const AmrGrid& grid) {
   const auto num_cells = checked_product(grid.num_cells);
   const bool has_size = grid.spacing.minCoeff() > 0 && grid.spacing.allFinite() &&
@@ -70,7 +67,7 @@ std::vector<bool> visible_cells(const AmrGrid& grid, const std::vector<AmrGrid>&
     }
   }
   for (const DataArray& array : grid.arrays) {
-    if (array.name != kAmrGhostArray || array.type != ScalarType::kUInt8) continue;
+    if (array.name != kGhostArray || array.type != ScalarType::kUInt8) continue;
     for (std::size_t c = 0; c < is_visible.size(); ++c) {
       if ((std::to_integer<unsigned>(array.bytes.view[c]) & kUnseenCell) != 0)
         is_visible[c] = false;
@@ -171,7 +168,7 @@ Dataset boxes_of_grids(Dataset dataset, const std::vector<AmrGrid>& grids,
                   dataset.source, grids.size(), num_levels, num_cells - num_visible, num_cells));
   add_places(dataset, grids, visible);
   for (const DataArray& array : grids.front().arrays) {
-    if (array.name == kAmrGhostArray) continue;
+    if (is_ghost_array(array)) continue;
     const bool is_in_all = std::all_of(grids.begin(), grids.end(), [&](const AmrGrid& grid) {
       return find_like(grid, array) != nullptr;
     });

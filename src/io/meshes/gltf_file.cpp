@@ -7,9 +7,11 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string_view>
 #include <utility>
 
+#include "io/core/base64.h"
 #include "io/core/memory.h"
 #include "io/core/numbers.h"
 #include "io/core/samples.h"
@@ -79,32 +81,19 @@ std::size_t whole(const JsonValue& object, const char* name, std::size_t usual) 
   return object.has(name) ? whole(object.member(name)) : usual;
 }
 
-int value_of_digit(char c) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const std::size_t at = kDigits.find(c);
-  return at == std::string_view::npos ? -1 : static_cast<int>(at);
-}
-
 // The bytes of "data:...;base64,DIGITS".
 std::vector<std::byte> bytes_of_data(const JsonValue& place, const std::string& uri) {
   const std::size_t comma = uri.find(',');
   if (comma == std::string::npos || uri.substr(0, comma).find(";base64") == std::string::npos)
     place.refuse("expected data in base64");
-  std::vector<std::byte> bytes;
-  bytes.reserve((uri.size() - comma) / 4 * 3);
-  std::uint32_t bits = 0;
-  int num_bits = 0;
-  for (std::size_t i = comma + 1; i < uri.size() && uri[i] != '='; ++i) {
-    const int digit = value_of_digit(uri[i]);
-    if (digit < 0) place.refuse("is no base64");
-    bits = (bits << 6U | static_cast<std::uint32_t>(digit)) & 0xFFFFU;
-    num_bits += 6;
-    if (num_bits < 8) continue;
-    num_bits -= 8;
-    bytes.push_back(static_cast<std::byte>(bits >> static_cast<unsigned>(num_bits) & 0xFFU));
-  }
-  return bytes;
+  std::string_view digits = std::string_view(uri).substr(comma + 1);
+  digits = digits.substr(0, digits.find('='));
+  if (!std::all_of(digits.begin(), digits.end(),
+                   [](char c) { return value_of_base64_digit(c) >= 0; }))
+    place.refuse("is no base64");
+  const std::string data = decoded_base64(digits);
+  const auto bytes = std::as_bytes(std::span(data));
+  return {bytes.begin(), bytes.end()};
 }
 
 }  // namespace

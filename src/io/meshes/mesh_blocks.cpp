@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <compare>
 #include <numeric>
 #include <utility>
 
@@ -67,10 +68,72 @@ bool share_data(std::span<const PartOutline> parts) {
   });
 }
 
+// What a block is wanted for.
+struct BlockWorth {
+  bool has_data = false;
+  bool has_volume = false;
+  auto operator<=>(const BlockWorth&) const = default;
+};
+
+BlockWorth worth_of(std::span<const PartOutline> parts, const std::string& name) {
+  std::vector<PartOutline> own;
+  for (const std::size_t p : parts_of_block(parts, name)) own.push_back(parts[p]);
+  return {share_data(own), std::any_of(own.begin(), own.end(),
+                                       [](const PartOutline& part) { return part.has_volume; })};
+}
+
+// Of blocks that share no array: those that are worth most.
+std::vector<std::string> worthiest_blocks(std::span<const PartOutline> parts,
+                                          const std::vector<std::string>& names) {
+  std::vector<std::string> worthiest;
+  BlockWorth greatest;
+  for (const std::string& name : names) {
+    const BlockWorth worth = worth_of(parts, name);
+    if (worth < greatest) continue;
+    if (worth > greatest) worthiest.clear();
+    greatest = worth;
+    worthiest.push_back(name);
+  }
+  // Of those without data nothing can be chosen by size: the whole is seen.
+  if (!greatest.has_data) return worthiest;
+  std::vector<PartOutline> own;
+  for (const PartOutline& part : parts) {
+    if (std::find(worthiest.begin(), worthiest.end(), part.block) != worthiest.end())
+      own.push_back(part);
+  }
+  if (share_data(own)) return worthiest;
+  return {*std::max_element(
+      worthiest.begin(), worthiest.end(), [&](const std::string& a, const std::string& b) {
+        const BlockSize left = size_of_block(parts, a), right = size_of_block(parts, b);
+        return std::pair(left.num_cells, left.num_nodes) <
+               std::pair(right.num_cells, right.num_nodes);
+      })};
+}
+
+bool encloses_volume(CellType type) {
+  switch (type) {
+    case CellType::kVertex:
+    case CellType::kLine:
+    case CellType::kPolyLine:
+    case CellType::kTriangle:
+    case CellType::kQuad:
+      return false;
+    default:
+      return true;  // also of others, polyhedra among them
+  }
+}
+
+bool has_volume(const Cells& cells) {
+  if (cells.is_structured())
+    return std::all_of(cells.dims.begin(), cells.dims.end(), [](auto dim) { return dim > 1; });
+  return std::any_of(cells.types.begin(), cells.types.end(), encloses_volume);
+}
+
 }  // namespace
 
 PartOutline outline_of(const MeshPart& part) {
-  PartOutline outline{part.block, part.num_nodes(), part.cells.count(), part.arrays};
+  PartOutline outline{part.block, part.num_nodes(), part.cells.count(), part.arrays,
+                      has_volume(part.cells)};
   for (DataArray& array : outline.arrays) array.bytes = {};
   return outline;
 }
@@ -105,18 +168,31 @@ std::vector<std::size_t> choose_blocks(Dataset& dataset, std::span<const PartOut
                                         dataset.source, names.size()));
     return all;
   }
-  const auto largest =
-      std::max_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
-        const BlockSize left = size_of_block(parts, a), right = size_of_block(parts, b);
-        return std::pair(left.num_cells, left.num_nodes) <
-               std::pair(right.num_cells, right.num_nodes);
-      });
-  dataset.block = *largest;
+  const std::vector<std::string> worthiest = worthiest_blocks(parts, names);
+  if (worthiest.size() == names.size()) {
+    dataset.notes.push_back(
+        fmt::format("{}: all {} blocks are read, none of which has an array; "
+                    "choose one with --block",
+                    dataset.source, names.size()));
+    return all;
+  }
+  if (worthiest.size() == 1) dataset.block = worthiest.front();
   dataset.notes.push_back(
-      fmt::format("{}: its {} blocks share no array: the largest, '{}', is read; choose with "
+      fmt::format("{}: its {} blocks share no array: {} read, as {} most to show; choose with "
                   "--block",
-                  dataset.source, names.size(), *largest));
-  return parts_of_block(parts, *largest);
+                  dataset.source, names.size(),
+                  data::names_text(worthiest) + (worthiest.size() == 1 ? " is" : " are"),
+                  worthiest.size() == 1 ? "it has" : "they have"));
+  std::vector<std::size_t> chosen;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (std::find(worthiest.begin(), worthiest.end(), parts[p].block) != worthiest.end())
+      chosen.push_back(p);
+  }
+  return chosen;
+}
+
+bool are_chosen_by_headers(std::span<const PartOutline> parts, const ReadOptions& options) {
+  return !options.block.empty() || block_names(parts).size() < 2 || share_data(parts);
 }
 
 std::vector<DataArray> shared_arrays(Dataset& dataset, std::span<const PartOutline> parts) {

@@ -22,6 +22,7 @@ struct PartOutline {
   std::int64_t num_nodes = 0;
   std::int64_t num_cells = 0;
   std::vector<DataArray> arrays;  // without bytes
+  bool has_volume = true;         // some cell encloses one; headers do not tell
 };
 
 PartOutline outline_of(const MeshPart& part);
@@ -30,9 +31,15 @@ PartOutline outline_of(const MeshPart& part);
 bool is_same_array(const DataArray& a, const DataArray& b) noexcept;
 
 // Fills dataset.blocks, and block where one is read. Returns the numbers of the parts that are
-// read. Throws Error(kInvalidArgument) for an unknown block.
+// read: of options.block; else all, if they share an array; else those of the blocks that have
+// arrays and cells of a volume, as node sets have not, or what comes nearest to that: all of these
+// if they share an array or have none, else the largest. Throws Error(kInvalidArgument) for an
+// unknown block.
 std::vector<std::size_t> choose_blocks(Dataset& dataset, std::span<const PartOutline> parts,
                                        const ReadOptions& options);
+
+// Does choose_blocks() need no outline's has_volume?
+bool are_chosen_by_headers(std::span<const PartOutline> parts, const ReadOptions& options);
 
 // The arrays that every part has; those that one has not are told. One without cells has no cell
 // arrays to have.

@@ -258,6 +258,23 @@ DataArray zeros_at_nodes(const Dataset& dataset) {
   return array;
 }
 
+// A mesh without arrays has a surface to show: its values are zeros.
+void require_values(Dataset& dataset, const ReadOptions& options) {
+  if (!dataset.arrays.empty() || dataset.kind != DatasetKind::kMesh) return;
+  if (!options.array.empty()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}: array '{}': not there: the mesh has no array of numbers at its "
+                            "points or cells",
+                            dataset.source, options.array));
+  }
+  dataset.arrays = {zeros_at_nodes(dataset)};
+  if (options.faces) return;
+  dataset.notes.push_back(
+      fmt::format("{}: has no array of numbers at its points or cells: its surface can be drawn, "
+                  "without values",
+                  dataset.source));
+}
+
 // What is asked for has to be there. Particles keep what says how large and heavy they are.
 void leave_wanted_array(Dataset& dataset, const std::string& wanted) {
   if (wanted.empty()) return;
@@ -327,11 +344,7 @@ Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOp
   dataset.positions.name = "positions";
   dataset.cells = std::move(whole.cells);
   dataset.arrays = std::move(whole.arrays);
-  if (options.faces && dataset.arrays.empty()) dataset.arrays = {zeros_at_nodes(dataset)};
-  if (dataset.kind == DatasetKind::kMesh && dataset.arrays.empty()) {
-    throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: has no array of numbers at its points or cells", dataset.source));
-  }
+  require_values(dataset, options);
   leave_wanted_array(dataset, options.array);
   shorten_notes(dataset.notes);
   return dataset;
@@ -378,10 +391,7 @@ Dataset mesh_share_of_parts(Dataset dataset, std::span<const PartOutline> outlin
   dataset.positions.name = "positions";
   dataset.cells = std::move(own.cells);
   dataset.arrays = std::move(own.arrays);
-  if (dataset.arrays.empty()) {
-    throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: has no array of numbers at its points or cells", dataset.source));
-  }
+  require_values(dataset, options);
   leave_wanted_array(dataset, options.array);
   shorten_notes(dataset.notes);
   return dataset;

@@ -18,12 +18,6 @@
 namespace ovoid::io {
 namespace {
 
-// VTK's bits, the same for nodes and cells where both have them.
-constexpr unsigned kDuplicate = 1;
-constexpr unsigned kHiddenNode = 2;
-constexpr unsigned kRefinedCell = 8;
-constexpr unsigned kHiddenCell = 32;
-
 [[noreturn]] void fail_mesh(const std::string& where, const std::string& what,
                             ErrorCode code = ErrorCode::kFileFormat) {
   throw Error(code, fmt::format("{}: {}", where, what));
@@ -81,9 +75,10 @@ void check_finite(const std::string& where, const DataArray& positions) {
   check_finite_as<double>(where, positions);
 }
 
-std::span<const std::uint8_t> ghost_flags(const MeshPart& part, bool is_cell_data) {
+std::span<const std::uint8_t> ghost_flags(const MeshPart& part, const char* name,
+                                          bool is_cell_data) {
   for (const DataArray& array : part.arrays) {
-    if (array.name != kGhostArray || array.is_cell_data != is_cell_data) continue;
+    if (array.name != name || array.is_cell_data != is_cell_data) continue;
     if (array.type != ScalarType::kUInt8 || array.num_components != 1) continue;
     return {reinterpret_cast<const std::uint8_t*>(array.bytes.view.data()),
             array.bytes.view.size()};
@@ -131,6 +126,10 @@ void keep_cells(MeshPart& part, const std::vector<bool>& is_kept, std::int64_t n
 }
 
 }  // namespace
+
+bool is_ghost_array(const DataArray& array) noexcept {
+  return array.name == kGhostArray || array.name == kOldGhostArray;
+}
 
 int num_corners(CellType type) noexcept {
   switch (type) {
@@ -237,21 +236,22 @@ void make_explicit(MeshPart& part) {
 }
 
 std::int64_t drop_ghosts(MeshPart& part) {
-  const std::span<const std::uint8_t> nodes = ghost_flags(part, false);
-  const std::span<const std::uint8_t> cells = ghost_flags(part, true);
+  const std::span<const std::uint8_t> nodes = ghost_flags(part, kGhostArray, false);
+  const std::span<const std::uint8_t> cells = ghost_flags(part, kGhostArray, true);
+  const std::span<const std::uint8_t> levels = ghost_flags(part, kOldGhostArray, true);
   const std::int64_t num_cells = part.cells.count();
   std::int64_t num_dropped = 0;
   const bool has_empty = std::adjacent_find(part.cells.offsets.begin(), part.cells.offsets.end()) !=
                          part.cells.offsets.end();
-  if (num_cells > 0 && (!cells.empty() || !nodes.empty() || has_empty)) {
-    const auto is_hidden = [&](std::uint32_t node) { return (nodes[node] & kHiddenNode) != 0; };
+  if (num_cells > 0 && (!cells.empty() || !nodes.empty() || !levels.empty() || has_empty)) {
+    const auto is_hidden = [&](std::uint32_t node) { return (nodes[node] & kHiddenPoint) != 0; };
     const bool has_hidden =
-        std::any_of(nodes.begin(), nodes.end(), [](unsigned f) { return (f & kHiddenNode) != 0; });
+        std::any_of(nodes.begin(), nodes.end(), [](unsigned f) { return (f & kHiddenPoint) != 0; });
     if (has_hidden) make_explicit(part);
     std::vector<bool> is_kept(static_cast<std::size_t>(num_cells), true);
     for (std::size_t c = 0; c < is_kept.size(); ++c) {
-      if (!cells.empty() && (cells[c] & (kDuplicate | kRefinedCell | kHiddenCell)) != 0)
-        is_kept[c] = false;
+      if (!cells.empty() && (cells[c] & kUnseenCell) != 0) is_kept[c] = false;
+      if (!levels.empty() && levels[c] > 0) is_kept[c] = false;
       if (has_empty && part.cells.offsets[c] == part.cells.offsets[c + 1]) is_kept[c] = false;
       if (has_hidden && is_kept[c]) {
         const auto begin = part.cells.connectivity.begin();
@@ -264,7 +264,7 @@ std::int64_t drop_ghosts(MeshPart& part) {
   } else if (num_cells == 0 && !nodes.empty()) {
     std::vector<bool> is_kept(nodes.size());
     for (std::size_t i = 0; i < is_kept.size(); ++i) {
-      is_kept[i] = (nodes[i] & (kDuplicate | kHiddenNode)) == 0;
+      is_kept[i] = (nodes[i] & (kDuplicatePoint | kHiddenPoint)) == 0;
       num_dropped += is_kept[i] ? 0 : 1;
     }
     if (num_dropped > 0) {
@@ -273,7 +273,7 @@ std::int64_t drop_ghosts(MeshPart& part) {
       part.positions = kept_tuples(part.positions, is_kept, num_kept);
     }
   }
-  std::erase_if(part.arrays, [](const DataArray& array) { return array.name == kGhostArray; });
+  std::erase_if(part.arrays, is_ghost_array);
   return num_dropped;
 }
 

@@ -46,8 +46,20 @@ void check_mesh(const std::string& where, const MeshPart& part);
 // The nodes a cell of this type needs; 0 if it may have any number.
 int num_corners(CellType type) noexcept;
 
-// What drop_ghosts() looks for.
+// What drop_ghosts() looks for. The older one says how far within another's part a cell is.
 inline constexpr const char* kGhostArray = "vtkGhostType";
+inline constexpr const char* kOldGhostArray = "vtkGhostLevels";
+
+// VTK's bits in arrays called kGhostArray [VTK 2021]; those of points, and of cells.
+inline constexpr unsigned kDuplicatePoint = 1;
+inline constexpr unsigned kHiddenPoint = 2;
+inline constexpr unsigned kDuplicateCell = 1;
+inline constexpr unsigned kRefinedCell = 8;
+inline constexpr unsigned kHiddenCell = 32;
+inline constexpr unsigned kUnseenCell = kDuplicateCell | kRefinedCell | kHiddenCell;
+
+// Has it one of these names?
+bool is_ghost_array(const DataArray& array) noexcept;
 
 // Nothing but vertices, or nothing between its nodes.
 bool is_point_set(const MeshPart& part);
@@ -55,7 +67,7 @@ bool is_point_set(const MeshPart& part);
 // Structured cells become hexahedra, quads, lines or a vertex, by the axes longer than one node.
 void make_explicit(MeshPart& part);
 
-// Honours kGhostArray arrays, where `part` has them: cells that are duplicates of another
+// Honours ghost arrays, where `part` has them: cells that are duplicates of another
 // piece's, hidden or refined are taken out with their tuples, and so are cells with a hidden node
 // and cells without nodes; of a part without cells, the points that are hidden or duplicates. The
 // arrays themselves are dropped. Returns how many cells or points went.
@@ -63,11 +75,10 @@ std::int64_t drop_ghosts(MeshPart& part);
 
 // Makes the dataset of all parts: kMesh, or kParticles if there are no cells but vertices. Empty
 // parts are passed over; the others go through check_mesh and drop_ghosts. `dataset` has source,
-// format and notes. With options.block the parts of that block alone; else all, if they share an
-// array, or the largest block. Nodes of different parts at exactly the same place become one.
-// Of a mesh options.array alone is kept, of particles all arrays. Throws Error(kInvalidArgument)
-// for an unknown block or array, Error(kFileFormat) if nothing, or no array,
-// is left.
+// format and notes. Which blocks are read, choose_blocks() says. Nodes of different parts at
+// exactly the same place become one. Of a mesh options.array alone is kept, of particles all
+// arrays; a mesh without arrays gets zeros at its nodes, called "nothing". Throws
+// Error(kInvalidArgument) for an unknown block or array, Error(kFileFormat) if nothing is left.
 Dataset mesh_of_parts(Dataset dataset, std::vector<MeshPart> parts, const ReadOptions& options);
 
 }  // namespace ovoid::io

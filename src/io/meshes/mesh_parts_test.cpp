@@ -135,10 +135,25 @@ TEST(MeshParts, NothingVisibleIsAnError) {
             "file-format: a.vtu: all 2 cells or points are hidden or duplicates of other pieces'");
   EXPECT_EQ(error_of([&] { mesh_of_parts(named(), {MeshPart{}}, {}); }),
             "file-format: a.vtu: has no points");
-  part = lines_from(0);
+}
+
+// A mesh before the run has cells and no results: its surface can be seen.
+TEST(MeshParts, MeshesWithoutArraysHaveZeros) {
+  MeshPart part = lines_from(0);
   part.arrays.clear();
-  EXPECT_EQ(error_of([&] { mesh_of_parts(named(), {part}, {}); }),
-            "file-format: a.vtu: has no array of numbers at its points or cells");
+  const Dataset mesh = mesh_of_parts(named(), {part}, {});
+  EXPECT_EQ(mesh.kind, DatasetKind::kMesh);
+  ASSERT_EQ(mesh.arrays.size(), 1U);
+  EXPECT_EQ(values_of<float>(mesh.array("nothing")), (std::vector<float>{0, 0, 0}));
+  EXPECT_EQ(mesh.notes,
+            std::vector<std::string>{"a.vtu: has no array of numbers at its points or cells: its "
+                                     "surface can be drawn, without values"});
+  ReadOptions options;
+  options.array = "v";
+  EXPECT_EQ(
+      error_of([&] { mesh_of_parts(named(), {part}, options); }),
+      "invalid-argument: a.vtu: array 'v': not there: the mesh has no array of numbers at its "
+      "points or cells");
 }
 
 TEST(MeshParts, PiecesShareTheNodesBetweenThem) {
@@ -198,8 +213,50 @@ TEST(MeshParts, BlocksAreMergedOrChosen) {
   EXPECT_EQ(largest.block, "iron");
   EXPECT_EQ(largest.arrays.size(), 2U);
   EXPECT_EQ(largest.notes.back(),
-            "a.vtu: its 2 blocks share no array: the largest, 'iron', is read; choose with "
-            "--block");
+            "a.vtu: its 2 blocks share no array: 'iron' is read, as it has most to show; choose "
+            "with --block");
+}
+
+// Fails if a set of nodes, which is larger than the mesh and says nothing, is what is seen.
+TEST(MeshParts, BlocksWithCellsOfAVolumeAndArraysComeFirst) {
+  const auto tetrahedron = [](const std::string& block, float first) {
+    MeshPart part;
+    part.block = block;
+    part.positions = places({first, 0, 0, first + 1, 0, 0, first, 1, 0, first, 0, 1});
+    part.cells.types = {CellType::kTetrahedron};
+    part.cells.offsets = {0, 4};
+    part.cells.connectivity = {0, 1, 2, 3};
+    part.arrays = {cell_array("c", {first})};
+    return part;
+  };
+  const auto vertices = [](const std::string& block) {
+    MeshPart part;
+    part.block = block;
+    part.positions = places({0, 0, 0, 1, 0, 0, 2, 0, 0});
+    part.cells.types = {CellType::kVertex, CellType::kVertex, CellType::kVertex};
+    part.cells.offsets = {0, 1, 2, 3};
+    part.cells.connectivity = {0, 1, 2};
+    return part;
+  };
+  const MeshPart a = tetrahedron("a", 0), b = tetrahedron("b", 5);
+  const Dataset one = mesh_of_parts(named(), {vertices("nodes"), a}, {});
+  EXPECT_EQ(one.kind, DatasetKind::kMesh);
+  EXPECT_EQ(one.block, "a");
+  // Those that share their arrays are read together.
+  const Dataset two = mesh_of_parts(named(), {a, vertices("nodes"), b}, {});
+  EXPECT_EQ(two.block, "");
+  EXPECT_EQ(two.cells.count(), 2);
+  EXPECT_EQ(two.notes.back(),
+            "a.vtu: its 3 blocks share no array: 'a', 'b' are read, as they have most to show; "
+            "choose with --block");
+  // Arrays count for more than cells of a volume, and without any arrays all of the volume is read.
+  MeshPart bare = a, bare_too = b, tagged = vertices("nodes");
+  bare.arrays.clear();
+  bare_too.arrays.clear();
+  tagged.arrays = {cell_array("t", {1, 2, 3})};
+  EXPECT_EQ(mesh_of_parts(named(), {bare, tagged}, {}).block, "nodes");
+  EXPECT_EQ(mesh_of_parts(named(), {bare, vertices("nodes"), bare_too}, {}).cells.count(), 2);
+  EXPECT_EQ(mesh_of_parts(named(), {bare, bare_too}, {}).cells.count(), 2);
 }
 
 TEST(MeshParts, VerticesAndSurfacesAreParticles) {

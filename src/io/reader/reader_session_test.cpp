@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,6 +18,7 @@
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "io/core/test_folder.h"
@@ -211,6 +213,48 @@ TEST_F(ReaderSessionTest, HeadersOfSamplesToo) {
   ReadOptions options;
   options.data_folders = {folder.file("")};
   EXPECT_EQ(refusal(folder.file("own/a.nhdr"), options), "");
+}
+
+// Opening a pipe, or a device, may do something to whoever is at its other end. Fails if anything
+// but names decides.
+TEST_F(ReaderSessionTest, FilesOfOtherFoldersAreRefusedUnopened) {
+  fs::create_directories(folder.file("own"));
+  const std::string pipe = folder.file("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  fs::create_symlink(pipe, folder.file("own/link"));
+  const auto root = [](const std::string& type, const std::string& content) {
+    return "<VTKFile type=\"" + type + "\"><" + type + ">" + content + "</" + type + "></VTKFile>";
+  };
+  int number = 0;
+  for (const std::string& name : {std::string("../pipe"), std::string("link"), pipe}) {
+    const std::string file = "<DataSet index=\"0\" file=\"" + name + "\"/>";
+    const std::vector<std::pair<std::string, std::string>> inputs{
+        {"pvtu", pieces(name)},
+        {"vtm", root("vtkMultiBlockDataSet", file)},
+        {"vtpc", root("vtkPartitionedDataSetCollection", "<Partitions>" + file + "</Partitions>")},
+        {"vtpd", root("vtkPartitionedDataSet", file)},
+        {"pvd", root("Collection", file)},
+        {"vthb", root("vtkOverlappingAMR", "<Block level=\"0\">" + file + "</Block>")},
+        {"pvti", R"(<VTKFile type="PImageData"><PImageData WholeExtent="0 1 0 1 0 1"><Piece )"
+                 R"(Extent="0 1 0 1 0 1" Source=")" +
+                     name + R"("/></PImageData></VTKFile>)"},
+        {"vtu.series", R"({"file-series-version": "1.0", "files": [{"name": ")" + name + R"("}]})"},
+    };
+    for (const auto& [ending, content] : inputs) {
+      const std::string path =
+          folder.write("own/a" + std::to_string(number++) + "." + ending, content);
+      EXPECT_NE(refusal(path).find("outside its folder"), std::string::npos) << path;
+      // A set within a set.
+      const std::string outer = folder.write(
+          "own/b.vtm",
+          root("vtkMultiBlockDataSet",
+               "<DataSet index=\"0\" file=\"" + fs::path(path).filename().string() + "\"/>"));
+      EXPECT_NE(refusal(outer).find("outside its folder"), std::string::npos) << path;
+    }
+  }
+  ::unlink(folder.file("own/link").c_str());
+  ASSERT_EQ(::mkfifo(folder.file("own/link").c_str(), 0600), 0);
+  EXPECT_NE(refusal(folder.write("own/c.pvtu", pieces("link"))), "");  // and does not hang
 }
 
 TEST_F(ReaderSessionTest, DataFolderMustBeThere) {

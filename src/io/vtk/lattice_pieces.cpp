@@ -14,6 +14,7 @@
 #include "io/core/samples.h"
 #include "io/core/xml_tags.h"
 #include "io/meshes/mesh_parts.h"
+#include "io/vtk/image_ghosts.h"
 #include "io/vtk/vtk_set_files.h"
 #include "ovoid/error.h"
 
@@ -59,7 +60,10 @@ void for_each_row(const VtkExtent& whole, const VtkExtent& piece, bool are_cells
 }
 
 // VTK's mark of samples and cells that are another piece's.
-bool is_duplicate(std::byte ghost) { return (std::to_integer<unsigned>(ghost) & 1U) != 0; }
+bool is_duplicate(std::byte ghost) {
+  static_assert(kDuplicatePoint == kDuplicateCell);
+  return (std::to_integer<unsigned>(ghost) & kDuplicatePoint) != 0;
+}
 
 std::span<const std::byte> ghosts_of(const Dataset& dataset, bool is_cell_data) {
   for (const DataArray& array : dataset.arrays) {
@@ -151,7 +155,7 @@ void LatticeAssembly::take(const LatticePiece& piece, const Dataset& dataset, bo
   const bool is_first = come.empty();
   bool has_any = false;
   for (const DataArray& array : dataset.arrays) {
-    if (array.is_cell_data != is_cell_data || array.name == kGhostArray) continue;
+    if (array.is_cell_data != is_cell_data || is_ghost_array(array)) continue;
     Whole* const whole = whole_of(array, is_first);
     if (whole == nullptr) {
       leaves_arrays_out_ = true;
@@ -178,14 +182,40 @@ void LatticeAssembly::take(const LatticePiece& piece, const Dataset& dataset, bo
       }
     });
   }
-  if (!has_any) return;
-  if (is_first) {
-    come.resize(static_cast<std::size_t>(
-        num_samples(sizes_of(layout_.whole, layout_.whole, is_cell_data))));
-  }
-  for_each_row(layout_.whole, piece.extent, is_cell_data, [&](std::size_t, std::size_t to) {
-    std::fill_n(come.begin() + static_cast<std::ptrdiff_t>(to), length, true);
+  if (!has_any && ghosts.empty()) return;
+  mark(piece, ghosts, is_cell_data);
+}
+
+// That the piece has come, and what is hidden of it.
+void LatticeAssembly::mark(const LatticePiece& piece, std::span<const std::byte> ghosts,
+                           bool is_cell_data) {
+  std::vector<bool>& come = is_cell_data ? cells_come_ : points_come_;
+  std::vector<std::byte>& all = is_cell_data ? cell_ghosts_ : point_ghosts_;
+  const auto count =
+      static_cast<std::size_t>(num_samples(sizes_of(layout_.whole, layout_.whole, is_cell_data)));
+  if (come.empty()) come.resize(count);
+  if (!ghosts.empty() && all.empty()) all.resize(count);
+  const auto length =
+      static_cast<std::size_t>(sizes_of(layout_.whole, piece.extent, is_cell_data)[0]);
+  for_each_row(layout_.whole, piece.extent, is_cell_data, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = 0; i < length; ++i) {
+      const std::byte ghost = ghosts.empty() ? std::byte{0} : ghosts[from + i];
+      const bool is_anothers = is_duplicate(ghost) && come[to + i];
+      if (!all.empty() && !is_anothers) all[to + i] = ghost;
+      come[to + i] = true;
+    }
   });
+}
+
+DataArray LatticeAssembly::ghost_array(bool is_cell_data) {
+  DataArray array;
+  array.name = kGhostArray;
+  array.type = ScalarType::kUInt8;
+  array.is_cell_data = is_cell_data;
+  std::vector<std::byte>& all = is_cell_data ? cell_ghosts_ : point_ghosts_;
+  array.num_tuples = std::ssize(all);
+  array.bytes = bytes_owning(std::move(all));
+  return array;
 }
 
 bool LatticeAssembly::add(std::size_t index, const Dataset& dataset) {
@@ -232,6 +262,9 @@ Dataset LatticeAssembly::finish(Dataset dataset) {
   dataset.lattice = lattice_;
   dataset.times = times_;
   dataset.notes.insert(dataset.notes.end(), notes_.begin(), notes_.end());
+  if (!point_ghosts_.empty()) dataset.arrays.push_back(ghost_array(false));
+  if (!cell_ghosts_.empty()) dataset.arrays.push_back(ghost_array(true));
+  hide_ghosts(dataset);
   shorten_notes(dataset.notes);
   return dataset;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,12 +37,13 @@ class LatticeAssembly {
   const std::vector<LatticePiece>& pieces() const noexcept { return layout_.pieces; }
 
   // Takes over what was read of piece `index`; arrays named kGhostArray say which of its samples
-  // are another's, whose values are then taken. False if it does not lie in one lattice with those
-  // before, as rectilinear grids of unequal spacing: nothing can then be put together. Throws
-  // Error: kFileFormat if a piece is not what the whole says of it, kOutOfMemory.
+  // are another's, whose values are then taken, and which are hidden. False if it does not lie in
+  // one lattice with those before, as rectilinear grids of unequal spacing: nothing can then be put
+  // together. Throws Error: kFileFormat if a piece is not what the whole says of it, kOutOfMemory.
   bool add(std::size_t index, const Dataset& dataset);
 
-  // The whole: arrays that every piece has, and a note on others. Throws Error(kFileFormat) if
+  // The whole: arrays that every piece has, and a note on others; what is hidden is missing
+  // (hide_ghosts). Throws Error(kFileFormat) if
   // samples are in no piece, or no array is in all.
   Dataset finish(Dataset dataset);
 
@@ -55,13 +57,16 @@ class LatticeAssembly {
   bool lies_in_lattice(const LatticePiece& piece, const LatticeGeometry& lattice);
   Whole* whole_of(const DataArray& array, bool is_first);
   void take(const LatticePiece& piece, const Dataset& dataset, bool is_cell_data);
+  void mark(const LatticePiece& piece, std::span<const std::byte> ghosts, bool is_cell_data);
+  DataArray ghost_array(bool is_cell_data);
 
   std::string source_;
   LatticeInPieces layout_;
   LatticeGeometry lattice_;  // once a piece has come
   std::vector<Whole> arrays_;
   std::vector<bool> points_come_, cells_come_;  // from some piece; empty without arrays of theirs
-  std::size_t num_pieces_ = 0;                  // that have come
+  std::vector<std::byte> point_ghosts_, cell_ghosts_;  // VTK's bits; empty: no piece has any
+  std::size_t num_pieces_ = 0;                         // that have come
   bool leaves_arrays_out_ = false;
   std::vector<std::string> notes_;
   std::vector<double> times_;

@@ -109,7 +109,7 @@ TEST(Rectilinear, CoordinatesAreMeasuredBeforeVtkSeesThem) {
                 .substr(0, 70),
             "file-format: a.vtr: Coordinates: a piece has more than 3 arrays of the");
   EXPECT_EQ(vtr_error(with(kVtr, "Int32", "String")),
-            "unsupported: a.vtr: array 'z': holds text: expected numbers in Coordinates");
+            "file-format: a.vtr: Coordinates: array 'z': expected numbers of one component");
   EXPECT_EQ(vtr_error(with(kVtr, R"(Name="z")", R"(Name="z" NumberOfComponents="2")")),
             "file-format: a.vtr: Coordinates: array 'z': expected numbers of one component");
   EXPECT_EQ(vtr_error(with(kVtr, "</Coordinates>", "</Coordinates><Coordinates></Coordinates>")),

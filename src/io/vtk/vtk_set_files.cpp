@@ -20,12 +20,14 @@ struct SetType {
   std::string_view type;
   const char* format;
 };
-constexpr std::array<SetType, 10> kSetTypes{{{"PUnstructuredGrid", "PVTU"},
+constexpr std::array<SetType, 12> kSetTypes{{{"PUnstructuredGrid", "PVTU"},
                                              {"PPolyData", "PVTP"},
                                              {"PStructuredGrid", "PVTS"},
                                              {"PRectilinearGrid", "PVTR"},
                                              {"PImageData", "PVTI"},
                                              {"vtkMultiBlockDataSet", "VTM"},
+                                             {"vtkPartitionedDataSetCollection", "VTPC"},
+                                             {"vtkPartitionedDataSet", "VTPD"},
                                              {"vtkOverlappingAMR", "VTK AMR"},
                                              {"vtkNonOverlappingAMR", "VTK AMR"},
                                              {"vtkHierarchicalBoxDataSet", "VTK AMR"},
@@ -109,30 +111,81 @@ VtkSeriesPlace vtk_series_place(const ByteSource& source) {
   return {};
 }
 
+namespace {
+
+// An element that others stand in: a block of blocks, or one block of several pieces.
+struct Container {
+  std::string element;
+  std::string name;
+  bool has_pieces = false;
+};
+
+// Where the files of a set stand, while its tags come.
+class SetPlaces {
+ public:
+  explicit SetPlaces(const ByteSource& source) : source_(source) {}
+
+  // Takes what names no file itself.
+  void pass(const XmlTag& tag) {
+    if (tag.name == "VTKFile") {
+      const std::string type = tag.attribute("type");
+      has_blocks_ = type == "vtkMultiBlockDataSet" || type == "vtkPartitionedDataSetCollection";
+    }
+    if (!containers_.empty() && tag.name == "/" + containers_.back().element)
+      containers_.pop_back();
+    const bool is_block = tag.name == "Block";
+    const bool has_pieces = tag.name == "Partitions" || (tag.name == "Piece" && has_blocks_);
+    if (tag.is_empty_element || !(is_block || has_pieces)) return;
+    if (is_block) level_ = level_of(source_, tag);
+    containers_.push_back({tag.name, name_of_block(tag), has_pieces});
+  }
+
+  int level() const noexcept { return level_; }
+
+  // "outer/inner"; empty where the set has no blocks.
+  std::string block_of(const XmlTag& file) const {
+    if (!has_blocks_) return {};
+    std::string block;
+    for (const Container& container : containers_)
+      block += (block.empty() ? "" : "/") + container.name;
+    if (containers_.empty() || !containers_.back().has_pieces)
+      block += (block.empty() ? "" : "/") + name_of_block(file);
+    return block;
+  }
+
+ private:
+  static std::string name_of_block(const XmlTag& tag) {
+    return plain(tag.attribute("name", tag.attribute("index")));
+  }
+
+  const ByteSource& source_;
+  std::vector<Container> containers_;
+  bool has_blocks_ = false;
+  int level_ = 0;
+};
+
+}  // namespace
+
 // The layouts differ in the names of the tags alone.
 std::vector<VtkSetFile> vtk_set_files(const ByteSource& source) {
   std::vector<VtkSetFile> files;
-  std::vector<std::string> blocks;
-  int level = 0;
+  SetPlaces places(source);
   XmlTagReader reader(source);
   while (const auto tag = reader.next()) {
-    if (tag->name == "/Block" && !blocks.empty()) blocks.pop_back();
     if (tag->name == "AppendedData") break;
-    if (tag->name == "Block" && !tag->is_empty_element) {
-      level = level_of(source, *tag);
-      blocks.push_back(plain(tag->attribute("name", tag->attribute("index"))));
-    }
     const bool is_piece = tag->name == "Piece" && tag->attributes.contains("Source");
     const bool is_data_set = tag->name == "DataSet" && tag->attributes.contains("file");
-    if (!is_piece && !is_data_set) continue;
+    if (!is_piece && !is_data_set) {
+      places.pass(*tag);
+      continue;
+    }
     VtkSetFile file;
     const std::string name = plain(tag->attribute(is_piece ? "Source" : "file"));
     if (name.empty()) continue;  // an empty block
     file.path = path_beside(source.name(), name);
-    for (const std::string& block : blocks) file.block += block + "/";
-    if (is_data_set) file.block += plain(tag->attribute("name", tag->attribute("index")));
+    if (is_data_set) file.block = places.block_of(*tag);
     if (is_piece) file.extent = tag->attribute("Extent");
-    file.level = level;
+    file.level = places.level();
     file.time = is_data_set ? time_of(source, *tag) : 0;
     files.push_back(std::move(file));
     if (static_cast<std::int64_t>(files.size()) > kMaxVtkSetFiles) {

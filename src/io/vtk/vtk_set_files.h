@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's XML files that name other files: pieces (.pvti .pvtr .pvts .pvtu .pvtp), blocks (.vtm),
-// adaptive grids (.vth .vthb) and time series (.pvd).
+// VTK's XML files that name other files: pieces (.pvti .pvtr .pvts .pvtu .pvtp .vtpd), blocks (.vtm
+// .vtpc), adaptive grids (.vth .vthb) and time series (.pvd).
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ const char* format_of_vtk_set(const std::string& xml_type) noexcept;
 // A file that a set names.
 struct VtkSetFile {
   std::string path;
-  std::string block;   // the names of the blocks around it
+  std::string block;   // "outer/inner", where the set has blocks; its pieces share it
   int level = 0;       // adaptive grids
   double time = 0;     // time series
   std::string extent;  // pieces of grids, as it stands

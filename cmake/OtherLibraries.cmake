@@ -16,7 +16,7 @@ endif()
 set(vtk_components)
 if(OVOID_IO_VTK)
   list(APPEND vtk_components CommonCore CommonDataModel CommonExecutionModel FiltersCore IOAMR IOEnSight
-       IOExodus IOHDF IOLegacy IOPLY IOXML)
+       IOExodus IOLegacy IOPLY IOXML)
 endif()
 if(OVOID_BENCH)
   list(APPEND vtk_components CommonCore CommonDataModel FiltersCore FiltersGeometry FiltersPoints

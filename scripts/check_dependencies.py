@@ -68,6 +68,7 @@ OUTSIDE = [
     ("Voro++", re.compile(r"^voro\+\+/"), ("src/model/", "bench/")),
     ("zlib and bzip2", re.compile(r"^(zlib|bzlib)\.h"), ("src/io/", "tests/")),
     ("Blosc, Zstandard and LZ4", re.compile(r"^(blosc|zstd|lz4)\.h"), ("src/io/zarr/", "src/io/images/", "src/io/foreign/vdb_unpacking.cpp")),
+    ("pugixml", re.compile(r"^pugixml\.hpp$"), ("src/io/", "tests/")),
     ("nlohmann-json", re.compile(r"^nlohmann/"), ("src/io/", "apps/", "python/", "tests/", "bench/")),
     ("CLI11", re.compile(r"^CLI/"), ("bench/",)),
     ("GoogleTest", re.compile(r"^g(test|mock)/"), ("tests/",)),

@@ -10,7 +10,7 @@ declare -A groups=(
   # without them gets them. Of HDF5 the library sees the headers alone.
   [program]="make g++ cmake ninja-build pkg-config
     libeigen3-dev libfmt-dev nlohmann-json3-dev libcli11-dev
-    libpng-dev libjpeg-dev libgif-dev zlib1g-dev libbz2-dev libblosc-dev libzstd-dev liblz4-dev libopenexr-dev
+    libpng-dev libjpeg-dev libgif-dev zlib1g-dev libbz2-dev libblosc-dev libzstd-dev liblz4-dev libopenexr-dev libpugixml-dev
     libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools
     voro++-dev libhwy-dev libhdf5-dev"
   # The readers' programs, the window, Python, VTK's mappers (wrapped by python3-vtk9's tools), MPI.

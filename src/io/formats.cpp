@@ -243,7 +243,7 @@ std::vector<Format> grids() {
                     .kinds = {kLattice},
                     .write = write_legacy_vtk,
                     .place = PlaceInFile::kNoSpace}}},
-      {.name = "VTKHDF", .endings = {".vtkhdf", ".hdf"}, .is_file = is_vtk_hdf, .library = "VTK"},
+      {.name = "VTKHDF", .endings = {".vtkhdf", ".hdf"}, .is_file = is_vtk_hdf, .library = "HDF5"},
       {.name = "Exodus", .endings = kExodusEndings, .is_file = is_exodus, .library = "VTK"},
       {.name = "EnSight",
        .endings = {".case", ".encas"},

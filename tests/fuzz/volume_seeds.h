@@ -201,6 +201,16 @@ inline std::vector<std::string> xdmf_seeds() {
       "Endian=\"Big\" NumberType=\"Int\">b</DataItem>";
   const std::string pieces = "GridType=\"Collection\" CollectionType=\"Spatial\"";
   const std::string mesh = io::xdmf_grid(io::kXdmfMixed + values(9), "Name=\"a\"");
+  const auto with = [](std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  };
+  const auto even_piece = [&](const std::string& origin) {
+    return io::xdmf_grid(with(io::kXdmfEven, "30 20 10", origin) + values(24));
+  };
+  const std::string entity =
+      with(io::xdmf_file(io::xdmf_grid("<Information><![CDATA[<a>]]></Information>" +
+                                       with(io::kXdmfEven, "30 20 10", "&origin;") + values(24))),
+           "[]", "[<!ENTITY ten \"10\"><!ENTITY origin \"30 20 &ten;\">]");
   return {
       io::xdmf_file(io::xdmf_grid(io::kXdmfEven + values(24))),
       io::xdmf_file(io::xdmf_grid(io::kXdmfEven + io::xdmf_attribute("f", raw))),
@@ -209,6 +219,9 @@ inline std::vector<std::string> xdmf_seeds() {
       io::xdmf_file(io::xdmf_grid(
           io::kXdmfEven + io::xdmf_attribute("v", io::xdmf_join(), "AttributeType=\"Vector\""))),
       io::xdmf_file(io::xdmf_grid(mesh + mesh, pieces)),
+      io::xdmf_file(io::xdmf_grid(even_piece("30 20 10") + even_piece("30 20 11.5"), pieces)),
+      io::xdmf_file(io::xdmf_grid(even_piece("30 20 10") + even_piece("30 20 99"), pieces)),
+      entity,
       io::xdmf_file(io::xdmf_grid(io::kXdmfNodes + values(9)) + mesh),
       io::xdmf_file(io::xdmf_item("24", io::xdmf_counting(24)) +
                     io::xdmf_grid(io::kXdmfEven + io::xdmf_attribute("f",

@@ -16,6 +16,7 @@
 #include "io/foreign/mesh_readers.h"
 #include "io/foreign/vtk_sets.h"
 #include "io/foreign/vtk_surface.h"
+#include "io/foreign/vtkhdf.h"
 #include "ovoid/error.h"
 #ifdef OVOID_IO_HDF5
 #include "io/foreign/hdf5_dialects.h"
@@ -63,7 +64,6 @@ const std::vector<ForeignReader>& foreign_readers() {
 #ifdef OVOID_IO_VTK
       {"VTK XML", nullptr, read_vtk},
       {"legacy VTK", nullptr, read_vtk},
-      {"VTKHDF", check_hdf5_size, read_vtk_hdf},
       {"Exodus", check_exodus_or_hdf5, read_exodus},
       {"EnSight", nullptr, read_ensight},
       {"Enzo", check_enzo, read_enzo},
@@ -71,6 +71,7 @@ const std::vector<ForeignReader>& foreign_readers() {
 #endif
 #ifdef OVOID_IO_HDF5
       {"HDF5", nullptr, read_hdf5},
+      {"VTKHDF", check_hdf5_size, read_vtk_hdf},
       {"XDMF", nullptr, read_xdmf_with_hdf5},
 #endif
   };

@@ -16,7 +16,6 @@ void check_enzo(const ByteSource& named);
 // VTK's readers believe what foreign_readers.cpp has not checked before; what comes out is checked.
 // Throw Error.
 Dataset read_exodus(const ByteSource& source, const ReadOptions& options);
-Dataset read_vtk_hdf(const ByteSource& source, const ReadOptions& options);
 Dataset read_enzo(const ByteSource& source, const ReadOptions& options);
 Dataset read_ensight(const ByteSource& source, const ReadOptions& options);
 

@@ -13,8 +13,9 @@
 #include "io/core/samples.h"
 #include "io/core/signatures.h"
 #include "io/core/text_scanner.h"
-#include "io/core/xml_tags.h"
 #include "io/formats.h"
+#include "io/input_files.h"
+#include "io/meshes/lattice_set.h"
 #include "io/meshes/mesh_parts.h"
 #include "io/meshes/mesh_steps.h"
 #include "io/reader/reader_session.h"
@@ -27,67 +28,86 @@ namespace ovoid::io {
 namespace {
 
 constexpr std::int64_t kMostGrids = 100'000;
+constexpr int kDeepestGrid = 16;  // grids within grids
 
 // Files that items of the tree name, each once.
 std::set<std::string> xdmf_files(const XdmfTree& tree) {
   std::set<std::string> files;
-  for (std::size_t i = 0; i < tree.elements().size(); ++i) {
-    if (!tree.attribute(i, {"Reference"}).empty()) continue;
-    if (is_xdmf_hdf5(tree, i)) files.insert(xdmf_hdf5_name(tree, i).file);
-    if (is_xdmf_binary(tree, i)) files.insert(xdmf_binary_name(tree, i));
+  for (const XdmfNode item : tree.elements()) {
+    if (!tree.attribute(item, {"Reference"}).empty()) continue;
+    if (is_xdmf_hdf5(tree, item)) files.insert(xdmf_hdf5_name(tree, item).file);
+    if (is_xdmf_binary(tree, item)) files.insert(xdmf_binary_name(tree, item));
   }
+  for (const std::string& file : tree.included_files()) files.insert(file);
   return files;
+}
+
+// Pieces say the same.
+void leave_each_once(std::vector<std::string>& notes) {
+  std::set<std::string> known;
+  std::erase_if(notes, [&](const std::string& note) { return !known.insert(note).second; });
 }
 
 class XdmfReader {
  public:
   XdmfReader(const ByteSource& source, const ReadOptions& options, const Opener& open)
-      : source_(source), options_(options), open_(open), tree_(source) {}
+      : source_(source), options_(options), open_(open), tree_(source, open) {}
 
   bool has_hdf5() const {
-    for (std::size_t i = 0; i < tree_.elements().size(); ++i)
-      if (is_xdmf_hdf5(tree_, i)) return true;
-    return false;
+    const std::vector<XdmfNode> all = tree_.elements();
+    return std::any_of(all.begin(), all.end(),
+                       [&](XdmfNode item) { return is_xdmf_hdf5(tree_, item); });
   }
 
   Dataset run() {
     dataset_.source = source_.name();
     dataset_.format = "XDMF";
-    const std::vector<std::size_t> domains = tree_.children(0, "Domain");
-    if (domains.empty()) tree_.fail(0, "has no Domain");
-    const std::vector<std::size_t> grids = tree_.children(domains[0], "Grid");
+    const std::vector<XdmfNode> domains = tree_.children(tree_.root(), "Domain");
+    if (domains.empty()) tree_.fail(tree_.root(), "has no Domain");
+    const std::vector<XdmfNode> grids = tree_.children(domains[0], "Grid");
     if (grids.empty()) tree_.fail(domains[0], "has no Grid");
     if (grids.size() > 1) options_.block.clear();
-    const std::size_t chosen = grids[choose(grids)];
-    std::vector<std::size_t> steps{chosen};
-    if (is_temporal(chosen)) steps = tree_.children(chosen, "Grid");
+    const XdmfNode chosen = grids[choose(grids)];
+    const XdmfNode series = series_of(chosen, 0);
+    std::vector<XdmfNode> steps{chosen};
+    if (series) steps = tree_.children(series, "Grid");
     if (steps.empty()) tree_.fail(chosen, "has no grids");
+    num_steps_ = steps.size();
     return read_mesh_step(
-        source_.name(), static_cast<std::int64_t>(steps.size()), times_of(chosen, steps), options_,
-        [&](std::int64_t step) { return read_step(steps[static_cast<std::size_t>(step)]); });
+        source_.name(), static_cast<std::int64_t>(steps.size()),
+        times_of(series ? series : chosen, steps), options_,
+        [&](std::int64_t step) { return read_step(chosen, static_cast<std::size_t>(step)); });
   }
 
  private:
-  std::string grid_type(std::size_t grid) const {
+  std::string grid_type(XdmfNode grid) const {
     const std::string type = lower(tree_.attribute(grid, {"GridType", "Type"}));
     return type.empty() ? "uniform" : type;
   }
 
-  bool is_temporal(std::size_t grid) const {
+  bool is_temporal(XdmfNode grid) const {
     return grid_type(grid) == "collection" &&
            lower(tree_.attribute(grid, {"CollectionType"})) == "temporal";
   }
 
-  bool has_attributes(std::size_t grid) const {
-    const std::vector<std::size_t>& inner = tree_[grid].children;
-    return std::any_of(inner.begin(), inner.end(), [&](std::size_t child) {
-      return tree_[child].name == "Attribute" ||
-             (tree_[child].name == "Grid" && has_attributes(child));
+  // The temporal collection whose grids are the steps: the grid itself, or the first within it.
+  XdmfNode series_of(XdmfNode grid, int depth) const {
+    if (is_temporal(grid)) return grid;
+    if (grid_type(grid) == "uniform" || depth == kDeepestGrid) return {};
+    for (const XdmfNode inner : tree_.children(grid, "Grid"))
+      if (const XdmfNode series = series_of(inner, depth + 1)) return series;
+    return {};
+  }
+
+  bool has_attributes(XdmfNode grid) const {
+    const auto inner = grid.children();
+    return std::any_of(inner.begin(), inner.end(), [&](XdmfNode child) {
+      return xml_name(child) == "Attribute" || (xml_name(child) == "Grid" && has_attributes(child));
     });
   }
 
   // Of several grids of the domain, the one that is read.
-  std::size_t choose(const std::vector<std::size_t>& grids) {
+  std::size_t choose(const std::vector<XdmfNode>& grids) {
     if (grids.size() == 1) return 0;
     std::set<std::string> names;
     for (std::size_t i = 0; i < grids.size(); ++i) {
@@ -101,7 +121,7 @@ class XdmfReader {
                      : grid_type(grids[i]).substr(0, 40)});
     }
     if (wanted_block_.empty()) {
-      const auto is_told = [&](std::size_t grid) { return has_attributes(grid); };
+      const auto is_told = [&](XdmfNode grid) { return has_attributes(grid); };
       const auto first = std::find_if(grids.begin(), grids.end(), is_told);
       const auto chosen =
           static_cast<std::size_t>(first == grids.end() ? 0 : first - grids.begin());
@@ -129,26 +149,29 @@ class XdmfReader {
   // ---------------------------------------------------------------------------------------
 
   // The first Time that stands in the grid itself.
-  std::optional<std::size_t> time_element(std::size_t grid) const {
-    for (const std::size_t child : tree_[grid].children)
-      if (tree_[child].name == "Time") return child;
-    return std::nullopt;
+  static XdmfNode time_element(XdmfNode grid) {
+    return grid.find_child([](XdmfNode child) { return xml_name(child) == "Time"; });
   }
 
-  std::optional<double> time_of(std::size_t grid) const {
-    const auto time = time_element(grid);
-    if (!time) return std::nullopt;
-    return parse_real(tree_.attribute(*time, {"Value"}));
+  std::optional<double> time_of(XdmfNode grid) const {
+    const XdmfNode time = time_element(grid);
+    if (!time) {
+      // Of a collection, that of its first grid.
+      const XdmfNode first =
+          grid.find_child([](XdmfNode child) { return xml_name(child) == "Grid"; });
+      return first ? time_of(first) : std::nullopt;
+    }
+    return parse_real(tree_.attribute(time, {"Value"}));
   }
 
   // Empty unless all steps have one.
-  std::vector<double> times_of(std::size_t grid, const std::vector<std::size_t>& steps) const {
+  std::vector<double> times_of(XdmfNode grid, const std::vector<XdmfNode>& steps) const {
     if (steps.size() > static_cast<std::size_t>(kMostGrids))
       tree_.refuse(grid, fmt::format("has more than {} steps", kMostGrids));
     std::vector<double> times;
     if (is_temporal(grid)) times = listed_times(grid, steps.size());
     if (!times.empty()) return times;
-    for (const std::size_t step : steps) {
+    for (const XdmfNode step : steps) {
       const auto time = time_of(step);
       if (!time) return {};
       times.push_back(*time);
@@ -157,11 +180,11 @@ class XdmfReader {
   }
 
   // A list of all, or start, stride and count.
-  std::vector<double> listed_times(std::size_t collection, std::size_t count) const {
-    const auto time = time_element(collection);
+  std::vector<double> listed_times(XdmfNode collection, std::size_t count) const {
+    const XdmfNode time = time_element(collection);
     if (!time) return {};
-    const std::string type = lower(tree_.attribute(*time, {"TimeType", "Type"}));
-    const std::vector<std::size_t> items = tree_.children(*time, "DataItem");
+    const std::string type = lower(tree_.attribute(time, {"TimeType", "Type"}));
+    const std::vector<XdmfNode> items = tree_.children(time, "DataItem");
     if ((type != "list" && type != "hyperslab") || items.size() != 1) return {};
     ReadProgress progress(options_, 0);
     const XdmfNumbers numbers = XdmfItems(tree_, open_, progress).read(items[0]);
@@ -175,7 +198,7 @@ class XdmfReader {
         times.push_back(start + stride * static_cast<double>(i));
     }
     if (times.size() != count)
-      tree_.fail(*time,
+      tree_.fail(time,
                  fmt::format("has {} times: the collection has {} grids", times.size(), count));
     return times;
   }
@@ -183,9 +206,9 @@ class XdmfReader {
   // --- one step
   // -----------------------------------------------------------------------------------
 
-  // The uniform grids that it is made of.
-  void add_leaves(std::size_t grid, int depth, std::vector<std::size_t>& leaves) const {
-    constexpr int kDeepest = 16;
+  // The uniform grids that it is made of at a step.
+  void add_leaves(XdmfNode grid, int depth, std::size_t step, bool is_step,
+                  std::vector<XdmfNode>& leaves) const {
     const std::string type = grid_type(grid);
     if (type == "uniform") {
       leaves.push_back(grid);
@@ -198,41 +221,45 @@ class XdmfReader {
                                      "Collection or Tree",
                                      type.substr(0, 40)));
     }
-    if (is_temporal(grid)) tree_.refuse(grid, "holds time steps within another grid");
-    if (depth == kDeepest) tree_.refuse(grid, "is too deep");
-    for (const std::size_t inner : tree_.children(grid, "Grid"))
-      add_leaves(inner, depth + 1, leaves);
+    if (depth == kDeepestGrid) tree_.refuse(grid, "is too deep");
+    const std::vector<XdmfNode> grids = tree_.children(grid, "Grid");
+    if (!is_temporal(grid)) {
+      for (const XdmfNode inner : grids) add_leaves(inner, depth + 1, step, is_step, leaves);
+      return;
+    }
+    if (is_step) tree_.refuse(grid, "holds time steps within a time step");
+    if (grids.size() != num_steps_)
+      tree_.refuse(grid, fmt::format("holds {} time steps: another collection has {}", grids.size(),
+                                     num_steps_));
+    add_leaves(grids[step], depth + 1, step, true, leaves);
   }
 
-  Dataset read_step(std::size_t grid) {
-    std::vector<std::size_t> leaves;
-    add_leaves(grid, 0, leaves);
+  Dataset read_step(XdmfNode grid, std::size_t step) {
+    std::vector<XdmfNode> leaves;
+    add_leaves(grid, 0, step, false, leaves);
     if (leaves.empty()) tree_.fail(grid, "has no grids");
     Dataset dataset = dataset_;
     ReadOptions quiet = options_;
     quiet.progress = {};
     ReadProgress progress(quiet, 0);
     const XdmfItems items(tree_, open_, progress);
-    std::vector<MeshPart> parts;
+    std::vector<XdmfGrid> grids;
     for (std::size_t i = 0; i < leaves.size(); ++i) {
-      XdmfGrid one = read_xdmf_grid(tree_, items, leaves[i], options_.array, dataset.notes);
-      if (one.lattice && leaves.size() > 1) {
-        tree_.refuse(leaves[i], fmt::format("is one lattice of {}, which are not put together",
-                                            leaves.size()));
-      }
-      if (one.lattice) return lattice_of_grid(std::move(dataset), std::move(one), leaves[i]);
-      if (leaves.size() > 1) {
-        one.part.block = tree_.attribute(leaves[i], {"Name"});
-        if (one.part.block.empty()) one.part.block = fmt::format("grid {}", i + 1);
-      }
-      parts.push_back(std::move(one.part));
+      grids.push_back(read_xdmf_grid(tree_, items, leaves[i], options_.array, dataset.notes));
+      if (leaves.size() == 1) break;
+      std::string& block = grids.back().part.block;
+      block = tree_.attribute(leaves[i], {"Name"});
+      if (block.empty()) block = fmt::format("grid {}", i + 1);
     }
+    leave_each_once(dataset.notes);
+    if (grids.size() == 1 && grids[0].lattice)
+      return lattice_of_grid(std::move(dataset), std::move(grids[0]), leaves[0]);
     // Of several grids of the domain the one that was chosen is all that there is.
     std::vector<DatasetBlock> blocks = std::move(dataset.blocks);
     std::string block = std::move(dataset.block);
     dataset.blocks.clear();
     dataset.block.clear();
-    dataset = mesh_of_parts(std::move(dataset), std::move(parts), options_);
+    dataset = dataset_of_grids(std::move(dataset), std::move(grids));
     if (!blocks.empty()) {
       dataset.blocks = std::move(blocks);
       dataset.block = std::move(block);
@@ -240,7 +267,23 @@ class XdmfReader {
     return dataset;
   }
 
-  Dataset lattice_of_grid(Dataset dataset, XdmfGrid grid, std::size_t element) const {
+  Dataset dataset_of_grids(Dataset dataset, std::vector<XdmfGrid> grids) const {
+    const auto part_of = [](XdmfGrid& grid) {
+      return LatticePart{grid.part.block, std::move(*grid.lattice), std::move(grid.part.arrays)};
+    };
+    if (std::all_of(grids.begin(), grids.end(),
+                    [](const XdmfGrid& grid) { return grid.lattice.has_value(); })) {
+      std::vector<LatticePart> parts;
+      for (XdmfGrid& grid : grids) parts.push_back(part_of(grid));
+      return dataset_of_lattices(std::move(dataset), std::move(parts), options_);
+    }
+    std::vector<MeshPart> parts;
+    for (XdmfGrid& grid : grids)
+      parts.push_back(grid.lattice ? mesh_part_of(part_of(grid)) : std::move(grid.part));
+    return mesh_of_parts(std::move(dataset), std::move(parts), options_);
+  }
+
+  Dataset lattice_of_grid(Dataset dataset, XdmfGrid grid, XdmfNode element) const {
     dataset.kind = DatasetKind::kLattice;
     dataset.lattice = std::move(*grid.lattice);
     dataset.arrays = std::move(grid.part.arrays);
@@ -256,6 +299,7 @@ class XdmfReader {
   const Opener& open_;
   XdmfTree tree_;
   Dataset dataset_;
+  std::size_t num_steps_ = 1;
 };
 
 }  // namespace
@@ -280,7 +324,8 @@ Dataset read_xdmf(const ByteSource& source, const ReadOptions& options, const Op
 std::vector<std::string> xdmf_companions(const ByteSource& source) {
   std::vector<std::string> files;
   try {
-    for (const std::string& file : xdmf_files(XdmfTree(source))) {
+    const Opener open = opener_of_named_files(source.name(), {});
+    for (const std::string& file : xdmf_files(XdmfTree(source, open))) {
       std::error_code ignored;
       if (std::filesystem::is_regular_file(file, ignored)) files.push_back(file);
     }
@@ -291,9 +336,10 @@ std::vector<std::string> xdmf_companions(const ByteSource& source) {
 }
 
 std::optional<double> time_of_xdmf(const ByteSource& source) {
-  XmlTagReader reader(source, XmlTagReader::Doctype::kPassed);
-  while (const auto tag = reader.next())
-    if (tag->name == "Time") return parse_real(tag->attribute("Value"));
+  const Opener open = opener_of_named_files(source.name(), {});
+  const XdmfTree tree(source, open);
+  for (const XdmfNode element : tree.elements())
+    if (xml_name(element) == "Time") return parse_real(tree.attribute(element, {"Value"}));
   return std::nullopt;
 }
 

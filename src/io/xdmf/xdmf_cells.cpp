@@ -74,7 +74,7 @@ const XdmfCell* cell_numbered(std::int64_t number) {
 // Passes the numbers of a topology one by one.
 class XdmfCellReader {
  public:
-  XdmfCellReader(const XdmfTree& tree, std::size_t topology, std::vector<std::int64_t> numbers,
+  XdmfCellReader(const XdmfTree& tree, XdmfNode topology, std::vector<std::int64_t> numbers,
                  std::int64_t num_nodes, std::int64_t base)
       : tree_(tree),
         topology_(topology),
@@ -146,14 +146,14 @@ class XdmfCellReader {
 
  private:
   const XdmfTree& tree_;
-  std::size_t topology_;
+  XdmfNode topology_;
   std::vector<std::int64_t> numbers_;
   std::int64_t num_nodes_, base_;
   std::size_t at_ = 0;
   data::CellBuilder cells_;
 };
 
-std::vector<std::int64_t> whole_numbers(const XdmfTree& tree, std::size_t topology,
+std::vector<std::int64_t> whole_numbers(const XdmfTree& tree, XdmfNode topology,
                                         const XdmfNumbers& numbers) {
   std::vector<std::int64_t> values(static_cast<std::size_t>(numbers.count()));
   data::visit_scalar(numbers.type, [&]<class T>(std::type_identity<T>) {
@@ -170,7 +170,7 @@ std::vector<std::int64_t> whole_numbers(const XdmfTree& tree, std::size_t topolo
   return values;
 }
 
-std::optional<std::int64_t> number_attribute(const XdmfTree& tree, std::size_t element,
+std::optional<std::int64_t> number_attribute(const XdmfTree& tree, XdmfNode element,
                                              std::initializer_list<const char*> names) {
   const std::string text = tree.attribute(element, names);
   if (text.empty()) return std::nullopt;
@@ -187,7 +187,7 @@ std::optional<std::int64_t> number_attribute(const XdmfTree& tree, std::size_t e
 
 }  // namespace
 
-std::string xdmf_topology_type(const XdmfTree& tree, std::size_t topology) {
+std::string xdmf_topology_type(const XdmfTree& tree, XdmfNode topology) {
   return lower(tree.attribute(topology, {"TopologyType", "Type"}));
 }
 
@@ -197,13 +197,13 @@ bool is_xdmf_structured(const std::string& type) {
   return false;
 }
 
-bool is_xdmf_points(const XdmfTree& tree, std::size_t topology) {
+bool is_xdmf_points(const XdmfTree& tree, XdmfNode topology) {
   const std::string type = xdmf_topology_type(tree, topology);
   return type == "notopology" ||
          (type == "polyvertex" && tree.children(topology, "DataItem").empty());
 }
 
-Cells read_xdmf_cells(const XdmfTree& tree, const XdmfItems& items, std::size_t topology,
+Cells read_xdmf_cells(const XdmfTree& tree, const XdmfItems& items, XdmfNode topology,
                       std::int64_t num_nodes) {
   const std::string type = xdmf_topology_type(tree, topology);
   const XdmfCell* const cell = cell_called(type);
@@ -214,7 +214,7 @@ Cells read_xdmf_cells(const XdmfTree& tree, const XdmfItems& items, std::size_t 
   }
   if (!tree.attribute(topology, {"Order"}).empty())
     tree.refuse(topology, "has an Order of nodes of its own");
-  const std::vector<std::size_t> found = tree.children(topology, "DataItem");
+  const std::vector<XdmfNode> found = tree.children(topology, "DataItem");
   if (found.size() != 1)
     tree.fail(topology, fmt::format("has {} DataItems: expected one of nodes", found.size()));
   const auto base = number_attribute(tree, topology, {"BaseOffset", "Offset"}).value_or(0);

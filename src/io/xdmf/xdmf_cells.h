@@ -14,14 +14,14 @@ namespace ovoid::io {
 bool is_xdmf_structured(const std::string& type);
 
 // Are there no cells: Polyvertex without node numbers, or NoTopology?
-bool is_xdmf_points(const XdmfTree& tree, std::size_t topology);
+bool is_xdmf_points(const XdmfTree& tree, XdmfNode topology);
 
 // The cells of an unstructured topology of `num_nodes` nodes. Throws Error naming it: kFileFormat,
 // kUnsupported for a kind of cells that is not known.
-Cells read_xdmf_cells(const XdmfTree& tree, const XdmfItems& items, std::size_t topology,
+Cells read_xdmf_cells(const XdmfTree& tree, const XdmfItems& items, XdmfNode topology,
                       std::int64_t num_nodes);
 
 // The name of a topology's or geometry's kind, in small letters.
-std::string xdmf_topology_type(const XdmfTree& tree, std::size_t topology);
+std::string xdmf_topology_type(const XdmfTree& tree, XdmfNode topology);
 
 }  // namespace ovoid::io

@@ -25,12 +25,12 @@ namespace {
 
 class XdmfGridReader {
  public:
-  XdmfGridReader(const XdmfTree& tree, const XdmfItems& items, std::size_t grid)
+  XdmfGridReader(const XdmfTree& tree, const XdmfItems& items, XdmfNode grid)
       : tree_(tree), items_(items), grid_(grid) {}
 
   XdmfGrid run(const std::string& array, std::vector<std::string>& notes) {
-    const std::vector<std::size_t> topologies = tree_.children(grid_, "Topology");
-    const std::vector<std::size_t> geometries = tree_.children(grid_, "Geometry");
+    const std::vector<XdmfNode> topologies = tree_.children(grid_, "Topology");
+    const std::vector<XdmfNode> geometries = tree_.children(grid_, "Geometry");
     if (topologies.size() > 1 || geometries.size() != 1) {
       tree_.fail(grid_, fmt::format("has {} topologies and {} geometries: expected one each",
                                     topologies.size(), geometries.size()));
@@ -58,14 +58,14 @@ class XdmfGridReader {
   // ----------------------------------------------------------------------------
 
   std::vector<XdmfNumbers> geometry_items(std::size_t count) const {
-    const std::vector<std::size_t> found = tree_.children(geometry_, "DataItem");
+    const std::vector<XdmfNode> found = tree_.children(geometry_, "DataItem");
     if (found.size() != count) {
       tree_.fail(geometry_,
                  fmt::format("has {} DataItems: {} takes {}", found.size(), kind_, count));
     }
     std::vector<XdmfNumbers> numbers;
     numbers.reserve(count);
-    for (const std::size_t item : found) numbers.push_back(items_.read(item));
+    for (const XdmfNode item : found) numbers.push_back(items_.read(item));
     return numbers;
   }
 
@@ -111,7 +111,7 @@ class XdmfGridReader {
   // --- structured grids
   // ---------------------------------------------------------------------------
 
-  void read_structured(std::size_t topology, std::vector<std::string>& notes) {
+  void read_structured(XdmfNode topology, std::vector<std::string>& notes) {
     const std::string text = tree_.attribute(topology, {"Dimensions", "NumberOfElements"});
     std::vector<std::int64_t> dims = xdmf_dims(tree_, topology, text);
     const std::size_t wanted = xdmf_topology_type(tree_, topology).starts_with("2d") ? 2 : 3;
@@ -219,13 +219,13 @@ class XdmfGridReader {
 
   bool has_cells() const { return content_.lattice || content_.part.cells.count() > 0; }
 
-  std::string name_of_attribute(std::size_t attribute, std::size_t index) const {
+  std::string name_of_attribute(XdmfNode attribute, std::size_t index) const {
     const std::string name = tree_.attribute(attribute, {"Name"});
     return name.empty() ? fmt::format("attribute {}", index + 1) : name;
   }
 
   void read_attributes(const std::string& wanted, std::vector<std::string>& notes) {
-    const std::vector<std::size_t> attributes = tree_.children(grid_, "Attribute");
+    const std::vector<XdmfNode> attributes = tree_.children(grid_, "Attribute");
     bool is_there = false;
     for (std::size_t i = 0; i < attributes.size(); ++i)
       is_there = is_there || (!wanted.empty() && name_of_attribute(attributes[i], i) == wanted);
@@ -237,7 +237,7 @@ class XdmfGridReader {
     }
   }
 
-  void read_attribute(std::size_t attribute, const std::string& name, bool is_wanted,
+  void read_attribute(XdmfNode attribute, const std::string& name, bool is_wanted,
                       std::vector<std::string>& notes) {
     const std::string center = lower(tree_.attribute(attribute, {"Center"}));
     const std::string kind = lower(tree_.attribute(attribute, {"ItemType"}));
@@ -245,7 +245,7 @@ class XdmfGridReader {
     if (!center.empty() && center != "node" && center != "cell")
       why = fmt::format("belongs to Center '{}'", center.substr(0, 40));
     if (kind == "finiteelementfunction") why = "is a finite element function";
-    const std::vector<std::size_t> found = tree_.children(attribute, "DataItem");
+    const std::vector<XdmfNode> found = tree_.children(attribute, "DataItem");
     if (found.size() == 1 && is_xdmf_formula(tree_, found[0])) why = "is a function of others";
     if (!why.empty()) {
       why += ", which is not read: expected values of nodes or cells";
@@ -271,13 +271,13 @@ class XdmfGridReader {
     content_.part.arrays.push_back(std::move(array));
   }
 
-  std::string type_of(std::size_t attribute) const {
+  std::string type_of(XdmfNode attribute) const {
     const std::string type = lower(tree_.attribute(attribute, {"AttributeType", "Type"}));
     return type.empty() ? "scalar" : type.substr(0, 40);
   }
 
   // Vectors of plane grids may have two components, their tensors four.
-  bool fits_type(std::size_t attribute, std::int64_t num_components) const {
+  bool fits_type(XdmfNode attribute, std::int64_t num_components) const {
     const std::string type = type_of(attribute);
     if (type == "vector") return num_components == 2 || num_components == 3;
     if (type == "tensor") return num_components == 4 || num_components == 9;
@@ -289,7 +289,7 @@ class XdmfGridReader {
 
   const XdmfTree& tree_;
   const XdmfItems& items_;
-  std::size_t grid_, geometry_ = 0;
+  XdmfNode grid_, geometry_;
   std::string kind_;
   Index3 dims_{1, 1, 1};
   XdmfGrid content_;
@@ -297,7 +297,7 @@ class XdmfGridReader {
 
 }  // namespace
 
-XdmfGrid read_xdmf_grid(const XdmfTree& tree, const XdmfItems& items, std::size_t grid,
+XdmfGrid read_xdmf_grid(const XdmfTree& tree, const XdmfItems& items, XdmfNode grid,
                         const std::string& array, std::vector<std::string>& notes) {
   return XdmfGridReader(tree, items, grid).run(array, notes);
 }

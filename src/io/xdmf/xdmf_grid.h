@@ -19,7 +19,7 @@ struct XdmfGrid {
 
 // Topology, geometry and attributes: the one called `array` alone if there is one. `notes` gets
 // what is left out. Throws Error naming the element.
-XdmfGrid read_xdmf_grid(const XdmfTree& tree, const XdmfItems& items, std::size_t grid,
+XdmfGrid read_xdmf_grid(const XdmfTree& tree, const XdmfItems& items, XdmfNode grid,
                         const std::string& array, std::vector<std::string>& notes);
 
 }  // namespace ovoid::io

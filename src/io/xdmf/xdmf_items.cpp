@@ -28,17 +28,17 @@ constexpr std::size_t kMostAxes = 8;
 
 std::atomic<XdmfHdf5> hdf5_reader{nullptr};
 
-std::string item_kind(const XdmfTree& tree, std::size_t item) {
+std::string item_kind(const XdmfTree& tree, XdmfNode item) {
   const std::string kind = lower(tree.attribute(item, {"ItemType", "Type"}));
   return kind.empty() ? "uniform" : kind;
 }
 
-std::string item_format(const XdmfTree& tree, std::size_t item) {
+std::string item_format(const XdmfTree& tree, XdmfNode item) {
   const std::string format = lower(tree.attribute(item, {"Format"}));
   return format.empty() ? "xml" : format;
 }
 
-ScalarType item_type(const XdmfTree& tree, std::size_t item) {
+ScalarType item_type(const XdmfTree& tree, XdmfNode item) {
   std::string kind = lower(tree.attribute(item, {"NumberType", "DataType"}));
   if (kind.empty()) kind = "float";
   std::string precision = tree.attribute(item, {"Precision"});
@@ -98,7 +98,7 @@ struct XdmfSlab {
   }
 };
 
-XdmfSlab slab_of(const XdmfTree& tree, std::size_t item, const XdmfNumbers& choice,
+XdmfSlab slab_of(const XdmfTree& tree, XdmfNode item, const XdmfNumbers& choice,
                  const std::vector<std::int64_t>& dims) {
   const std::size_t rank = dims.size();
   if (choice.count() != static_cast<std::int64_t>(3 * rank)) {
@@ -153,19 +153,6 @@ XdmfNumbers taken_from(const XdmfNumbers& rows, const XdmfSlab& slab,
   return taken;
 }
 
-// The next word of numbers; comments may stand between them.
-std::string_view next_word(TextScanner& scanner) {
-  std::string_view word = scanner.word();
-  while (word.starts_with("<!--")) {
-    while (!word.empty() && !word.ends_with("-->")) {
-      if (word.size() > TextScanner::kLongestWord) scanner.skip(1);
-      word = scanner.word();
-    }
-    word = scanner.word();
-  }
-  return word;
-}
-
 }  // namespace
 
 double XdmfNumbers::number(std::int64_t index) const {
@@ -178,15 +165,15 @@ void set_xdmf_hdf5(XdmfHdf5 reader) noexcept { hdf5_reader = reader; }
 
 bool has_xdmf_hdf5() noexcept { return hdf5_reader.load() != nullptr; }
 
-bool is_xdmf_hdf5(const XdmfTree& tree, std::size_t item) {
-  return tree[item].name == "DataItem" && item_format(tree, item).starts_with("hdf");
+bool is_xdmf_hdf5(const XdmfTree& tree, XdmfNode item) {
+  return xml_name(item) == "DataItem" && item_format(tree, item).starts_with("hdf");
 }
 
-bool is_xdmf_binary(const XdmfTree& tree, std::size_t item) {
-  return tree[item].name == "DataItem" && item_format(tree, item) == "binary";
+bool is_xdmf_binary(const XdmfTree& tree, XdmfNode item) {
+  return xml_name(item) == "DataItem" && item_format(tree, item) == "binary";
 }
 
-XdmfHdf5Name xdmf_hdf5_name(const XdmfTree& tree, std::size_t item) {
+XdmfHdf5Name xdmf_hdf5_name(const XdmfTree& tree, XdmfNode item) {
   const std::string text = tree.text(item, kLongestName);
   const auto colon = text.rfind(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == text.size())
@@ -199,13 +186,13 @@ XdmfHdf5Name xdmf_hdf5_name(const XdmfTree& tree, std::size_t item) {
           std::string(trimmed(text.substr(colon + 1)))};
 }
 
-std::string xdmf_binary_name(const XdmfTree& tree, std::size_t item) {
+std::string xdmf_binary_name(const XdmfTree& tree, XdmfNode item) {
   const std::string text = tree.text(item, kLongestName);
   if (text.empty()) tree.fail(item, "names no file");
   return path_beside(tree.source().name(), text);
 }
 
-bool is_xdmf_formula(const XdmfTree& tree, std::size_t item) {
+bool is_xdmf_formula(const XdmfTree& tree, XdmfNode item) {
   const std::string kind = item_kind(tree, item);
   if (kind == "coordinates") return true;
   if (kind != "function") return false;
@@ -219,7 +206,7 @@ bool is_xdmf_formula(const XdmfTree& tree, std::size_t item) {
   return formula != fmt::format("join({})", join);
 }
 
-std::vector<std::int64_t> xdmf_dims(const XdmfTree& tree, std::size_t element,
+std::vector<std::int64_t> xdmf_dims(const XdmfTree& tree, XdmfNode element,
                                     const std::string& text) {
   std::vector<std::int64_t> dims;
   for (const std::string_view word : words(text)) {
@@ -237,22 +224,22 @@ std::vector<std::int64_t> xdmf_dims(const XdmfTree& tree, std::size_t element,
 }
 
 // The whole text is read, whatever rows are asked for: all of them are, then.
-XdmfStored XdmfItems::stored_text(std::size_t item, ScalarType type) const {
-  const XdmfElement& element = tree_[item];
+XdmfStored XdmfItems::stored_text(XdmfNode item, ScalarType type) const {
   std::vector<std::int64_t> dims = xdmf_dims(tree_, item, tree_.attribute(item, {"Dimensions"}));
   const std::int64_t count = product(dims);
+  const auto text = std::make_shared<const std::string>(xml_text(item));
   // A number takes a letter and a blank at least.
-  const std::int64_t most = (element.text_end - element.text_begin + 1) / 2;
-  if (count > most) {
-    tree_.fail(item, fmt::format("has {} bytes of text, too few for {} numbers",
-                                 element.text_end - element.text_begin, count));
+  if (count > static_cast<std::int64_t>(text->size() + 1) / 2) {
+    tree_.fail(item,
+               fmt::format("has {} bytes of text, too few for {} numbers", text->size(), count));
   }
   XdmfStored stored{std::move(dims), type, {}};
-  stored.read = [this, item, type, count](std::int64_t, std::span<std::byte> out) {
-    TextScanner scanner(tree_.source(), tree_[item].text_begin, tree_[item].text_end);
+  stored.read = [this, item, type, count, text](std::int64_t, std::span<std::byte> out) {
+    const auto source = open_memory(tree_.source().name(), std::as_bytes(std::span(*text)));
+    TextScanner scanner(*source, 0, source->size());
     data::visit_scalar(type, [&]<class T>(std::type_identity<T>) {
       for (std::int64_t i = 0; i < count; ++i) {
-        const std::string_view word = next_word(scanner);
+        const std::string_view word = scanner.word();
         if (word.empty()) tree_.fail(item, fmt::format("has {} numbers of {}", i, count));
         const auto value = number_of_word<T>(word);
         if (!value) {
@@ -262,13 +249,13 @@ XdmfStored XdmfItems::stored_text(std::size_t item, ScalarType type) const {
         std::memcpy(out.data() + static_cast<std::size_t>(i) * sizeof(T), &*value, sizeof(T));
       }
     });
-    if (!next_word(scanner).empty())
+    if (!scanner.word().empty())
       tree_.fail(item, fmt::format("has more numbers than the {} of its Dimensions", count));
   };
   return stored;
 }
 
-XdmfStored XdmfItems::stored_binary(std::size_t item, ScalarType type) const {
+XdmfStored XdmfItems::stored_binary(XdmfNode item, ScalarType type) const {
   const std::string compression = lower(tree_.attribute(item, {"Compression"}));
   if (!compression.empty() && compression != "raw" && compression != "none")
     tree_.refuse(item, fmt::format("is compressed by '{}', which is not read: expected Raw",
@@ -308,7 +295,7 @@ XdmfStored XdmfItems::stored_binary(std::size_t item, ScalarType type) const {
   return stored;
 }
 
-XdmfStored XdmfItems::stored_hdf5(std::size_t item) const {
+XdmfStored XdmfItems::stored_hdf5(XdmfNode item) const {
   const XdmfHdf5Name name = xdmf_hdf5_name(tree_, item);
   const XdmfHdf5 reader = hdf5_reader;
   if (reader == nullptr) tree_.refuse(item, "is HDF5, which this build does not read");
@@ -324,7 +311,7 @@ XdmfStored XdmfItems::stored_hdf5(std::size_t item) const {
   return stored;
 }
 
-XdmfStored XdmfItems::stored(std::size_t item) const {
+XdmfStored XdmfItems::stored(XdmfNode item) const {
   const std::string kind = item_kind(tree_, item), format = item_format(tree_, item);
   if (kind != "uniform") {
     tree_.refuse(item, fmt::format("is of ItemType {}, which is not read: expected numbers or a "
@@ -338,7 +325,7 @@ XdmfStored XdmfItems::stored(std::size_t item) const {
                                  format.substr(0, 40)));
 }
 
-XdmfNumbers XdmfItems::read_rows(std::size_t item, const XdmfStored& stored, std::int64_t first,
+XdmfNumbers XdmfItems::read_rows(XdmfNode item, const XdmfStored& stored, std::int64_t first,
                                  std::int64_t count) const {
   XdmfNumbers numbers{stored.dims, stored.type, {}};
   numbers.dims[0] = count;
@@ -352,8 +339,8 @@ XdmfNumbers XdmfItems::read_rows(std::size_t item, const XdmfStored& stored, std
 }
 
 // Start, stride and count of each axis of the second item, as numbers of the first.
-XdmfNumbers XdmfItems::read_slab(std::size_t item, int depth) const {
-  const std::vector<std::size_t> items = tree_.children(item, "DataItem");
+XdmfNumbers XdmfItems::read_slab(XdmfNode item, int depth) const {
+  const std::vector<XdmfNode> items = tree_.children(item, "DataItem");
   if (items.size() != 2)
     tree_.fail(item, "is a HyperSlab: expected two DataItems, what is taken and of what");
   const XdmfNumbers choice = read_at(items[0], depth + 1);
@@ -377,11 +364,11 @@ XdmfNumbers XdmfItems::read_slab(std::size_t item, int depth) const {
 }
 
 // Components side by side, each from an item of its own.
-XdmfNumbers XdmfItems::read_join(std::size_t item, int depth) const {
-  const std::vector<std::size_t> items = tree_.children(item, "DataItem");
+XdmfNumbers XdmfItems::read_join(XdmfNode item, int depth) const {
+  const std::vector<XdmfNode> items = tree_.children(item, "DataItem");
   std::vector<XdmfNumbers> parts;
   parts.reserve(items.size());
-  for (const std::size_t one : items) {
+  for (const XdmfNode one : items) {
     parts.push_back(read_at(one, depth + 1));
     if (parts.back().count() == parts[0].count() && parts.back().type == parts[0].type) continue;
     tree_.fail(item, fmt::format("joins {} numbers of {} and {} of {}", parts[0].count(),
@@ -405,7 +392,7 @@ XdmfNumbers XdmfItems::read_join(std::size_t item, int depth) const {
   return joined;
 }
 
-XdmfNumbers XdmfItems::read_at(std::size_t item, int depth) const {
+XdmfNumbers XdmfItems::read_at(XdmfNode item, int depth) const {
   constexpr int kDeepest = 8;
   if (depth > kDeepest) tree_.refuse(item, "is made of items that are made of items, and so on");
   const std::string text = tree_.attribute(item, {"Dimensions"});

@@ -52,17 +52,17 @@ struct XdmfHdf5Name {
 };
 
 // The names of the file or dataset that an item lies in.
-bool is_xdmf_hdf5(const XdmfTree& tree, std::size_t item);
-bool is_xdmf_binary(const XdmfTree& tree, std::size_t item);
-XdmfHdf5Name xdmf_hdf5_name(const XdmfTree& tree, std::size_t item);
-std::string xdmf_binary_name(const XdmfTree& tree, std::size_t item);
+bool is_xdmf_hdf5(const XdmfTree& tree, XdmfNode item);
+bool is_xdmf_binary(const XdmfTree& tree, XdmfNode item);
+XdmfHdf5Name xdmf_hdf5_name(const XdmfTree& tree, XdmfNode item);
+std::string xdmf_binary_name(const XdmfTree& tree, XdmfNode item);
 
 // Is the item made of others in a way that is not read? All functions are but JOIN($0, $1, ...).
-bool is_xdmf_formula(const XdmfTree& tree, std::size_t item);
+bool is_xdmf_formula(const XdmfTree& tree, XdmfNode item);
 
 // "2 3 4", of an element's attribute. Throws Error(kFileFormat) unless all are 1 or more and their
 // product is at most kMaxNumBytes / 8; kUnsupported for more than 8 of them.
-std::vector<std::int64_t> xdmf_dims(const XdmfTree& tree, std::size_t element,
+std::vector<std::int64_t> xdmf_dims(const XdmfTree& tree, XdmfNode element,
                                     const std::string& text);
 
 class XdmfItems {
@@ -73,18 +73,18 @@ class XdmfItems {
 
   // The numbers of the DataItem. Sizes are compared with what is there before memory is taken.
   // Throws Error naming it.
-  XdmfNumbers read(std::size_t item) const { return read_at(item, 0); }
+  XdmfNumbers read(XdmfNode item) const { return read_at(item, 0); }
 
  private:
-  XdmfStored stored(std::size_t item) const;
-  XdmfStored stored_text(std::size_t item, ScalarType type) const;
-  XdmfStored stored_binary(std::size_t item, ScalarType type) const;
-  XdmfStored stored_hdf5(std::size_t item) const;
+  XdmfStored stored(XdmfNode item) const;
+  XdmfStored stored_text(XdmfNode item, ScalarType type) const;
+  XdmfStored stored_binary(XdmfNode item, ScalarType type) const;
+  XdmfStored stored_hdf5(XdmfNode item) const;
   // `depth`: of items within items.
-  XdmfNumbers read_at(std::size_t item, int depth) const;
-  XdmfNumbers read_slab(std::size_t item, int depth) const;
-  XdmfNumbers read_join(std::size_t item, int depth) const;
-  XdmfNumbers read_rows(std::size_t item, const XdmfStored& stored, std::int64_t first,
+  XdmfNumbers read_at(XdmfNode item, int depth) const;
+  XdmfNumbers read_slab(XdmfNode item, int depth) const;
+  XdmfNumbers read_join(XdmfNode item, int depth) const;
+  XdmfNumbers read_rows(XdmfNode item, const XdmfStored& stored, std::int64_t first,
                         std::int64_t count) const;
 
   const XdmfTree& tree_;

@@ -353,10 +353,9 @@ TEST(Xdmf, References) {
               HasSubstr("there is no such DataItem"));
   EXPECT_THAT(error("<DataItem Reference=\"XML\">/Xdmf/Domain/Grid/Attribute/DataItem</DataItem>"),
               HasSubstr("refers to itself"));
-  EXPECT_THAT(error("<DataItem Reference=\"XML\">id('a')</DataItem>"),
-              HasSubstr("there is no such"));
-  EXPECT_THAT(error("<DataItem Reference=\"XML\">/Xdmf[last()]</DataItem>"),
-              HasSubstr("the path '/Xdmf[last()]' is not understood"));
+  EXPECT_THAT(error("<DataItem Reference=\"XML\">/Xdmf/Domain/DataItem[last()]</DataItem>"), "");
+  EXPECT_THAT(error("<DataItem Reference=\"XML\">/Xdmf/Domain[</DataItem>"),
+              HasSubstr("the path '/Xdmf/Domain[' is not read"));
 }
 
 TEST(Xdmf, OneOfSeveralGrids) {
@@ -386,10 +385,6 @@ TEST(Xdmf, SpatialCollectionsOfMeshesArePieces) {
   EXPECT_EQ(mesh.cells.types.size(), 4U);
   ASSERT_EQ(mesh.blocks.size(), 2U);
   EXPECT_EQ(mesh.blocks[1].name, "b");
-  EXPECT_THAT(
-      xdmf_error(xdmf_grid(xdmf_grid(kXdmfEven + kEvenValues) + xdmf_grid(kXdmfEven + kEvenValues),
-                           "GridType=\"Tree\"")),
-      HasSubstr("is one lattice of 2, which are not put together"));
 }
 
 TEST(Xdmf, WhatIsNotReadIsRefusedInWords) {
@@ -401,20 +396,15 @@ TEST(Xdmf, WhatIsNotReadIsRefusedInWords) {
               HasSubstr("has NumberType 'float' of Precision '3': expected Float of 4 or 8"));
   EXPECT_THAT(error(with(kEvenValues, "Precision=\"8\"", "Format=\"TIFF\"")),
               HasSubstr("has Format 'tiff', which is not read"));
-  EXPECT_THAT(error("<xi:include href=\"b.xmf\"/>"),
-              HasSubstr("includes 'b.xmf': expected what is in the file itself"));
+  EXPECT_THAT(error("<xi:include href=\"b.xmf\"/>"), HasSubstr("b.xmf: no such file"));
   EXPECT_THAT(xdmf_error(xdmf_grid("", "GridType=\"Subset\"")),
               HasSubstr("is of GridType 'subset', which is not read"));
   EXPECT_THAT(xdmf_error(xdmf_grid("<Topology TopologyType=\"Hexahedron_64\"/>" + kXdmfNodes)),
               HasSubstr("is of TopologyType 'hexahedron_64', which is not known"));
   EXPECT_THAT(error(with(kEvenValues, "Node\"", "Node\" AttributeType=\"Vector\"")),
               HasSubstr("has 24 numbers: expected vector of 24 nodes"));
-  EXPECT_THAT(error_of([&] {
-                read_xdmf_text(with(xdmf_file(xdmf_grid(kXdmfEven + kEvenValues)), "[]",
-                                    "[<!ENTITY a \"b\">]"));
-              }),
-              HasSubstr("the declaration at byte"));
-  EXPECT_THAT(error(with(kEvenValues, "\"f\"", "\"&a;\"")), HasSubstr("has an unknown entity"));
+  EXPECT_THAT(error(with(kEvenValues, "\"f\"", "\"&a;\"")),
+              HasSubstr("the entity '&a;' is not declared"));
   EXPECT_THAT(error(xdmf_attribute("f",
                                    "<DataItem Name=\"a\" ItemType=\"HyperSlab\"><DataItem "
                                    "Reference=\"//DataItem[@Name='a']\"/><DataItem/></DataItem>")),
@@ -456,11 +446,13 @@ TEST(Xdmf, DamageIsTold) {
   EXPECT_THAT(xdmf_error(xdmf_grid(kXdmfEven)), HasSubstr("has no array of numbers"));
   EXPECT_THAT(xdmf_error(""), HasSubstr("has no Grid"));
   EXPECT_THAT(error_of([&] { read_xdmf_text(with(file, "</Grid>", "</Topology>")); }),
-              HasSubstr("ends what has not begun"));
+              HasSubstr("is no XML from byte"));
   EXPECT_THAT(error_of([&] { read_xdmf_text("<Xdmf></Xdmf><Xdmf/>"); }),
               HasSubstr("has several roots"));
   std::string deep = "<Xdmf>";
   for (int i = 0; i < 100; ++i) deep += "<Grid>";
+  for (int i = 0; i < 100; ++i) deep += "</Grid>";
+  deep += "</Xdmf>";
   EXPECT_THAT(error_of([&] { read_xdmf_text(deep); }), HasSubstr("64 within each other"));
   // Comments, and numbers of other programs.
   EXPECT_EQ(error(with(kEvenValues, " 22", " <!-- a - b --> 2.2e1")), "");

@@ -4,275 +4,269 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
+#include <iterator>
+#include <set>
 #include <utility>
 
 #include "io/core/numbers.h"
 #include "io/core/text_scanner.h"
-#include "io/core/xml_tags.h"
+#include "io/core/xml_entities.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
 namespace {
 
 constexpr std::int64_t kLongestPath = 4096;
+constexpr std::size_t kMostFiles = 10'000;
+constexpr std::int64_t kMostLooks = 300'000'000;  // some seconds
+constexpr std::int64_t kLooksOfPath = 1000;       // what following any path costs
 
-// What a step of a path asks of an element.
-struct XdmfTest {
-  std::vector<std::string> names;  // one of these; none: any
-  std::optional<std::pair<std::string, std::string>> attribute;
-  std::optional<std::size_t> number;  // among those of its parent that pass the tests before it
-};
-
-struct XdmfStep {
-  bool is_any_depth = false;  // "//"
-  std::vector<XdmfTest> tests;
-};
-
-std::string_view without_prefix(std::string_view name) {
-  const auto colon = name.rfind(':');
-  return colon == std::string_view::npos ? name : name.substr(colon + 1);
+// Does a predicate look at its element alone? "1", "last()", "@Name='a' and @b='c'",
+// "self::Topology or self::Geometry".
+bool is_local_predicate(std::string_view text) {
+  std::string plain;  // without what is quoted
+  char quote = '\0';
+  for (const char c : text) {
+    if (quote == '\0' && (c == '"' || c == '\''))
+      quote = c;
+    else if (c == quote)
+      quote = '\0';
+    else if (quote == '\0')
+      plain += c;
+  }
+  const auto replace = [&](std::string_view what, std::string_view by) {
+    for (auto at = plain.find(what); at != std::string::npos; at = plain.find(what))
+      plain.replace(at, what.size(), by);
+  };
+  replace("last()", "1");
+  replace("position()", "1");
+  replace("self::", "@");
+  replace("=", " ");
+  const std::vector<std::string_view> all = words(plain);
+  return quote == '\0' && std::all_of(all.begin(), all.end(), [](std::string_view word) {
+           return word == "or" || word == "and" || parse_integer(word) ||
+                  (word.front() == '@' && word.find_first_of("/()[]|*:") == std::string_view::npos);
+         });
 }
 
-// "[1]", "[@Name='a']", "[self::Topology or self::Geometry]"
-std::optional<XdmfTest> parse_predicate(std::string_view text) {
-  XdmfTest test;
-  text = trimmed(text);
-  if (const auto number = parse_integer(text)) {
-    if (*number < 1) return std::nullopt;
-    test.number = static_cast<std::size_t>(*number - 1);
-    return test;
-  }
-  if (text.starts_with('@')) {
-    const auto equals = text.find('=');
-    if (equals == std::string_view::npos) return std::nullopt;
-    const std::string_view value = trimmed(text.substr(equals + 1));
-    if (value.size() < 2 || (value.front() != '"' && value.front() != '\'') ||
-        value.back() != value.front())
-      return std::nullopt;
-    test.attribute.emplace(trimmed(text.substr(1, equals - 1)), value.substr(1, value.size() - 2));
-    return test;
-  }
-  for (const std::string_view word : words(text)) {
-    if (word == "or") continue;
-    if (!word.starts_with("self::")) return std::nullopt;
-    test.names.emplace_back(word.substr(6));
-  }
-  return test.names.empty() ? std::nullopt : std::optional(std::move(test));
-}
-
-// The step at the front of `text`, which is taken off.
-std::optional<XdmfStep> take_step(std::string_view& text) {
-  XdmfStep step;
-  if (text.starts_with('/')) text.remove_prefix(1);
-  if (text.starts_with('/')) {
-    step.is_any_depth = true;
-    text.remove_prefix(1);
-  }
-  const std::string_view name = trimmed(text.substr(0, text.find_first_of("/[")));
-  if (name.empty()) return std::nullopt;
-  text.remove_prefix(std::min(text.size(), text.find_first_of("/[")));
-  XdmfTest by_name;
-  if (name != "*") by_name.names.emplace_back(without_prefix(name));
-  step.tests.push_back(std::move(by_name));
-  while (text.starts_with('[')) {
+// XPath can be made to work for years: paths are refused whose cost is not about one look at each
+// element. These are steps downwards, "//" at the begin alone, with predicates as above.
+bool is_cheap_path(std::string_view path) {
+  if (path.starts_with("//")) path.remove_prefix(2);
+  std::string steps;
+  while (!path.empty()) {
+    const auto open = path.find('[');
+    steps += path.substr(0, open);
+    if (open == std::string_view::npos) break;
     // A quoted name may have brackets.
     char quote = '\0';
-    std::size_t end = 1;
-    for (; end < text.size() && (quote != '\0' || text[end] != ']'); ++end) {
-      if (quote == '\0' && (text[end] == '"' || text[end] == '\''))
-        quote = text[end];
-      else if (text[end] == quote)
+    std::size_t end = open + 1;
+    for (; end < path.size() && (quote != '\0' || path[end] != ']'); ++end) {
+      if (quote == '\0' && (path[end] == '"' || path[end] == '\''))
+        quote = path[end];
+      else if (path[end] == quote)
         quote = '\0';
     }
-    if (end == text.size()) return std::nullopt;
-    auto test = parse_predicate(text.substr(1, end - 1));
-    if (!test) return std::nullopt;
-    step.tests.push_back(std::move(*test));
-    text.remove_prefix(end + 1);
+    if (end == path.size() || !is_local_predicate(path.substr(open + 1, end - open - 1)))
+      return false;
+    path.remove_prefix(end + 1);
   }
-  return step;
+  return steps.find("//") == std::string::npos && steps.find("..") == std::string::npos &&
+         steps.find("::") == std::string::npos &&
+         steps.find_first_of("()|\"'=<>+,$") == std::string::npos;
 }
 
-bool passes(const XdmfElement& element, const XdmfTest& test) {
-  if (test.attribute) {
-    const auto found = element.attributes.find(test.attribute->first);
-    return found != element.attributes.end() && found->second == test.attribute->second;
+// The path of "element(/1/2/1)", whose numbers count elements; "" for another form.
+std::string path_of_numbers(std::string_view text) {
+  std::string path;
+  for (; !text.empty(); text.remove_prefix(std::min(text.size(), text.find('/', 1)))) {
+    const auto number = parse_integer(text.substr(1, text.find('/', 1) - 1));
+    if (text.front() != '/' || !number || *number < 1) return {};
+    path += fmt::format("/*[{}]", *number);
   }
-  return test.names.empty() ||
-         std::find(test.names.begin(), test.names.end(), element.name) != test.names.end();
+  return path;
+}
+
+void collect_elements(XdmfNode root, std::vector<XdmfNode>& all) {
+  struct Collector : pugi::xml_tree_walker {
+    explicit Collector(std::vector<XdmfNode>& into) : all(into) {}
+    bool for_each(XdmfNode& node) override {
+      if (node.type() == pugi::node_element) all.push_back(node);
+      return true;
+    }
+    std::vector<XdmfNode>& all;
+  } collector(all);
+  if (root) all.push_back(root);
+  root.traverse(collector);
 }
 
 }  // namespace
 
-XdmfTree::XdmfTree(const ByteSource& source) : source_(source) {
-  XmlTagReader reader(source, XmlTagReader::Doctype::kPassed);
-  std::vector<std::size_t> open;
-  const auto broken = [&](const std::string& what) {
-    throw Error(ErrorCode::kFileFormat, fmt::format("{}: {}", source.name(), what));
-  };
-  while (const auto tag = reader.next()) {
-    if (!open.empty() && elements_[open.back()].text_end < 0)
-      elements_[open.back()].text_end = tag->begin;
-    if (tag->name.starts_with('/')) {
-      const std::string_view name = without_prefix(std::string_view(tag->name).substr(1));
-      if (open.empty() || elements_[open.back()].name != name)
-        broken(fmt::format("the tag at byte {} ends what has not begun", tag->begin));
-      open.pop_back();
-      continue;
-    }
-    if (open.empty() && !elements_.empty()) broken("has several roots");
-    if (elements_.size() == kMaxElements || open.size() == kMaxDepth) {
-      throw Error(ErrorCode::kUnsupported,
-                  fmt::format("{}: has more than {} elements, or {} within each other",
-                              source.name(), kMaxElements, kMaxDepth));
-    }
-    XdmfElement element;
-    element.name = without_prefix(tag->name);
-    for (const auto& [key, value] : tag->attributes) {
-      auto plain = without_entities(value);
-      if (!plain) broken(fmt::format("the tag at byte {} has an unknown entity", tag->begin));
-      element.attributes.emplace(without_prefix(key), std::move(*plain));
-    }
-    element.text_begin = tag->end;
-    element.text_end = tag->is_empty_element ? tag->end : -1;
-    const std::size_t number = elements_.size();
-    if (!open.empty()) {
-      element.parent = open.back();
-      elements_[open.back()].children.push_back(number);
-    }
-    elements_.push_back(std::move(element));
-    if (!tag->is_empty_element) open.push_back(number);
+XdmfTree::XdmfTree(const ByteSource& source, const Opener& open)
+    : source_(source), open_(open), document_(source) {
+  if (xml_name(root()) != "Xdmf")
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: has no element Xdmf", source.name()));
+  std::vector<XdmfNode> own;
+  collect_elements(root(), own);
+  count(own);
+}
+
+void XdmfTree::count(const std::vector<XdmfNode>& elements) const {
+  num_elements_ += static_cast<std::int64_t>(elements.size());
+  for (const XdmfNode element : elements) {
+    const auto children = element.children();
+    most_children_ =
+        std::max<std::int64_t>(most_children_, std::distance(children.begin(), children.end()));
   }
-  if (!open.empty()) broken(fmt::format("ends within its element {}", elements_[open.back()].name));
-  if (elements_.empty() || elements_[0].name != "Xdmf") broken("has no element Xdmf");
 }
 
-void XdmfTree::fail(std::size_t element, const std::string& what) const {
+void XdmfTree::look(XdmfNode element, std::int64_t count) const {
+  num_looks_ += count;
+  if (num_looks_ > kMostLooks)
+    refuse(element, "refers to others, and these to others, more often than can be followed");
+}
+
+std::vector<XdmfNode> XdmfTree::elements() const {
+  std::vector<XdmfNode> all;
+  collect_elements(root(), all);
+  std::set<XdmfNode> roots{root()};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::string name =
+        xml_name(all[i]) == "include" ? attribute(all[i], {"href"}) : std::string();
+    if (name.empty()) continue;
+    const XdmfNode other = root_of_file(all[i], name);
+    if (roots.insert(other).second) collect_elements(other, all);
+  }
+  return all;
+}
+
+std::vector<std::string> XdmfTree::included_files() const {
+  std::vector<std::string> files;
+  for (const auto& [path, document] : others_) files.push_back(path);
+  return files;
+}
+
+XdmfNode XdmfTree::root_of_file(XdmfNode include, const std::string& name) const {
+  const std::string path = path_beside(source_.name(), name);
+  const auto known = others_.find(path);
+  if (known != others_.end()) return known->second->root();
+  if (others_.size() == kMostFiles)
+    refuse(include, fmt::format("includes one of more than {} files", kMostFiles));
+  const std::unique_ptr<ByteSource> source = open_(path);
+  auto document = std::make_unique<XmlDocument>(*source);
+  std::vector<XdmfNode> own;
+  collect_elements(document->root(), own);
+  count(own);
+  if (num_elements_ > static_cast<std::int64_t>(XmlDocument::kMaxElements))
+    refuse(include, fmt::format("includes files of more than {} elements in all",
+                                XmlDocument::kMaxElements));
+  return others_.emplace(path, std::move(document)).first->second->root();
+}
+
+void XdmfTree::fail(XdmfNode element, const std::string& what) const {
   throw Error(ErrorCode::kFileFormat,
-              fmt::format("{}: {}: {}", source_.name(), where(element), what));
+              fmt::format("{}: {}: {}", source_.name(), where(element), in_one_line(what)));
 }
 
-void XdmfTree::refuse(std::size_t element, const std::string& what) const {
+void XdmfTree::refuse(XdmfNode element, const std::string& what) const {
   throw Error(ErrorCode::kUnsupported,
-              fmt::format("{}: {}: {}", source_.name(), where(element), what));
+              fmt::format("{}: {}: {}", source_.name(), where(element), in_one_line(what)));
 }
 
-std::string XdmfTree::where(std::size_t element) const {
+std::string XdmfTree::where(XdmfNode element) const {
   std::string text;
-  for (std::size_t at = element; at != XdmfElement::kNone; at = elements_[at].parent) {
-    const XdmfElement& one = elements_[at];
-    const auto name = one.attributes.find("Name");
-    if (name == one.attributes.end() && at != element) continue;
-    const std::string here = name == one.attributes.end()
-                                 ? one.name
-                                 : fmt::format("{} '{}'", one.name, name->second.substr(0, 80));
+  for (XdmfNode at = element; at.type() == pugi::node_element; at = at.parent()) {
+    const pugi::xml_attribute name = at.attribute("Name");
+    if (!name && at != element) continue;
+    const std::string_view kind = xml_name(at).substr(0, 40);
+    const std::string here =
+        name ? fmt::format("{} '{}'", kind, std::string_view(name.value()).substr(0, 80))
+             : std::string(kind);
     text = text.empty() ? here : fmt::format("{}, {}", here, text);
   }
-  return text;
+  return in_one_line(text);
 }
 
-std::string XdmfTree::attribute(std::size_t element,
-                                std::initializer_list<const char*> names) const {
-  for (const char* const name : names) {
-    const auto found = elements_[element].attributes.find(name);
-    if (found != elements_[element].attributes.end()) return std::string(trimmed(found->second));
-  }
+std::string XdmfTree::attribute(XdmfNode element, std::initializer_list<const char*> names) const {
+  for (const char* const name : names)
+    if (const pugi::xml_attribute found = element.attribute(name))
+      return std::string(trimmed(found.value()));
   return {};
 }
 
-std::string XdmfTree::text(std::size_t element, std::int64_t most) const {
-  const XdmfElement& one = elements_[element];
-  const std::int64_t size = one.text_end - one.text_begin;
+std::string XdmfTree::text(XdmfNode element, std::int64_t most) const {
+  const std::string text = xml_text(element);
+  const auto size = static_cast<std::int64_t>(text.size());
   if (size > most) fail(element, fmt::format("has {} bytes of text, more than {}", size, most));
-  const std::string text = source_.text(one.text_begin, size);
-  auto plain = without_entities(trimmed(text));
-  if (!plain) fail(element, "has an unknown entity");
-  return *plain;
+  return std::string(trimmed(text));
 }
 
-std::vector<std::size_t> XdmfTree::found(std::size_t from, const std::string& path) const {
-  std::string_view rest = trimmed(path);
+std::vector<XdmfNode> XdmfTree::found(XdmfNode from, const std::string& path) const {
   if (path.size() > static_cast<std::size_t>(kLongestPath)) fail(from, "has an endless path");
-  // Above the root, which is none of its elements.
-  std::vector<std::size_t> here{rest.starts_with('/') ? XdmfElement::kNone : from};
-  while (!rest.empty()) {
-    const auto step = take_step(rest);
-    if (!step) {
-      refuse(from, fmt::format("the path '{}' is not understood: expected steps like /Domain, "
-                               "//Grid[@Name='a'] or Grid[1]",
-                               path));
-    }
-    // Each parent's own list, since numbers count in it; those of "//" have all parents.
-    std::vector<std::size_t> parents = here;
-    if (step->is_any_depth) {
-      parents.clear();
-      const bool is_whole = here == std::vector{XdmfElement::kNone};
-      if (!is_whole) refuse(from, fmt::format("the path '{}' has // behind its begin", path));
-      parents.push_back(XdmfElement::kNone);
-      for (std::size_t i = 0; i < elements_.size(); ++i)
-        if (!elements_[i].children.empty()) parents.push_back(i);
-    }
-    here.clear();
-    for (const std::size_t parent : parents) {
-      std::vector<std::size_t> passing =
-          parent == XdmfElement::kNone ? std::vector<std::size_t>{0} : elements_[parent].children;
-      for (const XdmfTest& test : step->tests) {
-        if (!test.number) {
-          std::erase_if(passing, [&](std::size_t i) { return !passes(elements_[i], test); });
-        } else if (*test.number < passing.size()) {
-          passing = {passing[*test.number]};
-        } else {
-          passing.clear();
-        }
-      }
-      here.insert(here.end(), passing.begin(), passing.end());
-    }
+  const std::string shown = path.substr(0, 200);
+  const std::string plain(trimmed(path));
+  if (!is_cheap_path(plain)) {
+    refuse(from, fmt::format("the path '{}' is not read: expected steps like /Domain, "
+                             "//Grid[@Name='a'] or Grid[1]",
+                             shown));
   }
-  return here;
+  look(from, kLooksOfPath + (plain.starts_with("//") ? num_elements_ : most_children_));
+  std::vector<XdmfNode> nodes;
+  try {
+    for (const pugi::xpath_node& node : from.select_nodes(plain.c_str()))
+      if (node.node().type() == pugi::node_element) nodes.push_back(node.node());
+  } catch (const pugi::xpath_exception& problem) {
+    refuse(from, fmt::format("the path '{}' is not understood: {}", shown, problem.what()));
+  }
+  return nodes;
 }
 
-std::vector<std::size_t> XdmfTree::included(std::size_t include) const {
-  const std::string href = attribute(include, {"href"});
-  if (!href.empty()) {
-    refuse(include,
-           fmt::format("includes '{}': expected what is in the file itself", href.substr(0, 80)));
-  }
-  std::string path = attribute(include, {"xpointer"});
-  constexpr std::string_view kHead = "xpointer(";
-  if (!path.starts_with(kHead) || !path.ends_with(')'))
-    refuse(include, "has no xpointer(...) to follow");
-  path = path.substr(kHead.size(), path.size() - kHead.size() - 1);
-  std::vector<std::size_t> elements = found(include, path);
-  if (elements.empty()) fail(include, fmt::format("'{}' is not in the file", path));
+std::vector<XdmfNode> XdmfTree::included(XdmfNode include) const {
+  const std::string file = attribute(include, {"href"});
+  const XdmfNode from = file.empty() ? include : root_of_file(include, file);
+  const std::string pointer = attribute(include, {"xpointer"});
+  if (pointer.empty() && !file.empty()) return {from};
+  const auto open = pointer.find('(');
+  const std::string scheme = pointer.substr(0, open);
+  if (open == std::string::npos || !pointer.ends_with(')') ||
+      (scheme != "xpointer" && scheme != "element"))
+    refuse(include, "has no xpointer(...) or element(...) to follow");
+  std::string path = pointer.substr(open + 1, pointer.size() - open - 2);
+  if (scheme == "element") path = path_of_numbers(path);
+  if (path.empty()) refuse(include, fmt::format("'{}' is not understood", pointer.substr(0, 80)));
+  std::vector<XdmfNode> elements = found(from, path);
+  if (elements.empty())
+    fail(include, fmt::format("'{}' is not in {}", pointer.substr(0, 200),
+                              file.empty() ? "the file" : file.substr(0, 80)));
   return elements;
 }
 
-std::size_t XdmfTree::followed(std::size_t element) const {
-  const std::size_t begin = element;
+XdmfNode XdmfTree::followed(XdmfNode element) const {
+  const XdmfNode begin = element;
   constexpr int kMostReferences = 16;
   for (int i = 0; i < kMostReferences; ++i) {
     const std::string reference = attribute(element, {"Reference"});
     if (reference.empty()) return element;
     const std::string path = reference == "XML" ? text(element, kLongestPath) : reference;
-    const std::vector<std::size_t> elements = found(element, path);
-    if (elements.empty() || elements_[elements[0]].name != elements_[begin].name) {
+    const std::vector<XdmfNode> elements = found(element, path);
+    if (elements.empty() || xml_name(elements[0]) != xml_name(begin)) {
       fail(begin, fmt::format("refers to '{}': there is no such {}", path.substr(0, 200),
-                              elements_[begin].name));
+                              xml_name(begin)));
     }
     element = elements[0];
   }
   fail(begin, "refers to itself");
 }
 
-std::vector<std::size_t> XdmfTree::children(std::size_t element, std::string_view name) const {
-  std::vector<std::size_t> result;
-  for (const std::size_t child : elements_[element].children) {
-    if (elements_[child].name == name) {
+std::vector<XdmfNode> XdmfTree::children(XdmfNode element, std::string_view name) const {
+  std::vector<XdmfNode> result;
+  for (const XdmfNode child : element.children()) {
+    look(element, 1);
+    if (xml_name(child) == name) {
       result.push_back(followed(child));
-    } else if (elements_[child].name == "include") {
-      for (const std::size_t other : included(child))
-        if (elements_[other].name == name) result.push_back(followed(other));
+    } else if (xml_name(child) == "include") {
+      for (const XdmfNode other : included(child))
+        if (xml_name(other) == name) result.push_back(followed(other));
     }
   }
   return result;

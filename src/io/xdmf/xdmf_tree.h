@@ -1,68 +1,68 @@
 // SPDX-License-Identifier: Apache-2.0
-// The elements of an XDMF file as a tree. Built on XmlTagReader and not on a parser: text, which
-// may be gigabytes of numbers, stays in the file; and nothing that such a file does not need
-// (entities, namespaces, other documents) is there to be attacked.
+// The elements of an XDMF file: what is in them, what they refer to, and where they are.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "io/core/byte_source.h"
+#include "io/core/xml_document.h"
 
 namespace ovoid::io {
 
-struct XdmfElement {
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+using XdmfNode = pugi::xml_node;
 
-  std::string name;                               // without a prefix: "include" for "xi:include"
-  std::map<std::string, std::string> attributes;  // without entities
-  std::size_t parent = kNone;
-  std::vector<std::size_t> children;
-  std::int64_t text_begin = 0, text_end = 0;  // up to its first child, or its end
-};
-
-// Elements are known by their numbers in the file. All members throw Error that names the file:
-// kFileFormat for what is wrong, kUnsupported for what is not read.
+// All members throw Error that names the file: kFileFormat for what is wrong, kUnsupported for what
+// is not read.
 class XdmfTree {
  public:
-  static constexpr std::size_t kMaxElements = 2'000'000;
-  static constexpr std::size_t kMaxDepth = 64;
-
-  // `source` must outlive the tree. Throws unless the elements are one within the other and the
-  // first is Xdmf.
-  explicit XdmfTree(const ByteSource& source);
+  // Both must outlive the tree; `open` opens files that `xi:include` names. Throws as XmlDocument
+  // does, and unless the root is Xdmf.
+  XdmfTree(const ByteSource& source, const Opener& open);
 
   const ByteSource& source() const noexcept { return source_; }
-  const std::vector<XdmfElement>& elements() const noexcept { return elements_; }
-  const XdmfElement& operator[](std::size_t element) const noexcept { return elements_[element]; }
+  XdmfNode root() const { return document_.root(); }
+  // All elements of the file, in its order, then those of the files that it includes.
+  std::vector<XdmfNode> elements() const;
+  // The files that are included by elements() or whatever was asked for.
+  std::vector<std::string> included_files() const;
 
   // The elements below that are called so, with what `xi:include` puts among them, references
   // followed.
-  std::vector<std::size_t> children(std::size_t element, std::string_view name) const;
+  std::vector<XdmfNode> children(XdmfNode element, std::string_view name) const;
 
   // The value of the first of these attributes that is there; "" if none is.
-  std::string attribute(std::size_t element, std::initializer_list<const char*> names) const;
+  std::string attribute(XdmfNode element, std::initializer_list<const char*> names) const;
 
   // The element's text, without blanks around it, of at most `most` bytes.
-  std::string text(std::size_t element, std::int64_t most) const;
+  std::string text(XdmfNode element, std::int64_t most) const;
 
   // "Grid 'a', Attribute 'p'": where an element is, for messages.
-  std::string where(std::size_t element) const;
+  std::string where(XdmfNode element) const;
 
-  [[noreturn]] void fail(std::size_t element, const std::string& what) const;
-  [[noreturn]] void refuse(std::size_t element, const std::string& what) const;
+  [[noreturn]] void fail(XdmfNode element, const std::string& what) const;
+  [[noreturn]] void refuse(XdmfNode element, const std::string& what) const;
 
  private:
-  std::vector<std::size_t> found(std::size_t from, const std::string& path) const;
-  std::vector<std::size_t> included(std::size_t include) const;
-  std::size_t followed(std::size_t element) const;
+  std::vector<XdmfNode> found(XdmfNode from, const std::string& path) const;
+  std::vector<XdmfNode> included(XdmfNode include) const;
+  XdmfNode followed(XdmfNode element) const;
+  XdmfNode root_of_file(XdmfNode include, const std::string& name) const;
+  void count(const std::vector<XdmfNode>& elements) const;
+  // Counts looks at elements: grids that hold themselves many times would never end.
+  void look(XdmfNode element, std::int64_t count) const;
 
   const ByteSource& source_;
-  std::vector<XdmfElement> elements_;
+  const Opener& open_;
+  XmlDocument document_;
+  mutable std::map<std::string, std::unique_ptr<XmlDocument>> others_;  // by path
+  mutable std::int64_t num_elements_ = 0, most_children_ = 0, num_looks_ = 0;
 };
 
 }  // namespace ovoid::io

@@ -47,5 +47,16 @@ TEST(DicomDetection, AnotherFileMayHoldTheLetters) {
   EXPECT_THAT(error_of([&] { read_dataset({path}); }), Not(HasSubstr("DICOM")));
 }
 
+TEST(DicomDetection, ADirectoryOfAMediumNamesItsFolder) {
+  const TestFolder folder;
+  const std::string directory = folder.write(
+      "DICOMDIR", dicom_file(kExplicitUid, DicomElements().text(0x00041130, "CS", "D").bytes()));
+  EXPECT_THAT(error_of([&] { read_dataset({directory}); }),
+              HasSubstr("DICOMDIR: is a DICOMDIR, the directory of a medium, without images: open "
+                        "the folder that it lies in, '"));
+  EXPECT_THAT(error_of([&] { read_dataset({folder.file("")}); }),
+              HasSubstr("holds a DICOMDIR, the directory of a medium, and no images"));
+}
+
 }  // namespace dicom_detection_test
 }  // namespace ovoid::io

@@ -106,16 +106,8 @@ class Grouper {
     std::sort(stack.frames.begin(), stack.frames.end(),
               [&](const auto& a, const auto& b) { return number(a) < number(b); });
     if (stack.file->is_tiled()) return places_of_tiles(stack);
+    if (!stack.has_positions || !stack.orientation) return places_by_number(stack);
     std::vector<Frames> places;
-    if (!stack.has_positions || !stack.orientation) {
-      // Moments of one place are said to be so; else every frame is a slice.
-      const bool is_one_place = stack.file->frames_are_times;
-      for (const DicomFrame& frame : stack.frames) {
-        if (places.empty() || !is_one_place) places.emplace_back();
-        places.back().push_back(frame);
-      }
-      return places;
-    }
     const Vec3 normal = (*stack.orientation)[0].cross((*stack.orientation)[1]);
     const auto height = [&](const DicomFrame& f) { return normal.dot(*plane(f).position); };
     std::stable_sort(stack.frames.begin(), stack.frames.end(),
@@ -131,6 +123,31 @@ class Grouper {
       std::sort(place.begin(), place.end(),
                 [&](const auto& a, const auto& b) { return number(a) < number(b); });
     }
+    return places;
+  }
+
+  // Without positions every frame is a slice, but for those that are said to be moments.
+  std::vector<Frames> places_by_number(const Stack& stack) const {
+    if (stack.file->frames_are_times) return {stack.frames};
+    std::map<double, Frames> times;
+    bool are_told = true;
+    for (const DicomFrame& frame : stack.frames) {
+      const auto& time = plane(frame).temporal_position;
+      are_told = are_told && time;
+      times[time.value_or(0)].push_back(frame);
+    }
+    const std::size_t num_places = times.begin()->second.size();
+    const bool are_equal = std::all_of(times.begin(), times.end(), [&](const auto& time) {
+      return time.second.size() == num_places;
+    });
+    std::vector<Frames> places;
+    if (!are_told || !are_equal) {
+      for (const DicomFrame& frame : stack.frames) places.push_back({frame});
+      return places;
+    }
+    places.resize(num_places);
+    for (const auto& [time, frames] : times)
+      for (std::size_t i = 0; i < num_places; ++i) places[i].push_back(frames[i]);
     return places;
   }
 
@@ -208,7 +225,7 @@ class Grouper {
     DicomTimes times = times_of_dicom_steps(files_, steps);
     if (steps.size() > 1) {
       const auto num_whole = std::count_if(steps.begin(), steps.end(), is_whole);
-      if (num_whole < 2) return add_parts(stack, kind, steps, notes);
+      if (num_whole < 2) return add_parts(stack, kind, std::move(steps), notes);
       leave_out_parts(steps, times, notes);
       const std::string weighting = diffusion_text(files_, steps);
       if (!weighting.empty())
@@ -266,9 +283,14 @@ class Grouper {
     times.values = std::move(kept_times);
   }
 
-  // Nothing makes steps of them: each is what it is.
-  void add_parts(const Stack& stack, const DicomKind& kind, const std::vector<Frames>& steps,
+  // Nothing makes steps of them: each is what it is. Where few places have several frames, those
+  // are taken out of one volume.
+  void add_parts(const Stack& stack, const DicomKind& kind, std::vector<Frames> steps,
                  const std::vector<std::string>& notes) {
+    const auto num_several = std::count_if(kind.places.begin(), kind.places.end(),
+                                           [](const Frames& place) { return place.size() > 1; });
+    if (4 * num_several <= static_cast<std::ptrdiff_t>(kind.places.size()))
+      steps = rank_dicom_frames(kind.places);
     for (const Frames& step : steps) {
       Frames own;
       for (const DicomFrame& frame : step)

@@ -40,7 +40,7 @@ class Orderer {
     if (!have_equal_counts(places_)) {
       for (const Label& label : {number_in_volumes(), number_in_places()})
         if (auto steps = by_value(label)) return std::move(*steps);
-      return by_rank(places_);
+      return rank_dicom_frames(places_);
     }
     const Label number = [this](const DicomFrame& f) { return number_of(f); };
     for (const Label& label :
@@ -152,14 +152,6 @@ class Orderer {
     return sorted;
   }
 
-  // The first frame of each place, the second of each ...
-  std::vector<DicomFrames> by_rank(const std::vector<DicomFrames>& places) const {
-    std::vector<DicomFrames> steps(num_steps_, DicomFrames(places.size()));
-    for (std::size_t i = 0; i < places.size(); ++i)
-      for (std::size_t rank = 0; rank < places[i].size(); ++rank) steps[rank][i] = places[i][rank];
-    return steps;
-  }
-
   bool is_evenly_weighted(const std::vector<DicomFrames>& places) const {
     return std::all_of(places.begin(), places.end(), [&](const DicomFrames& place) {
       return std::equal(place.begin(), place.end(), places[0].begin(),
@@ -171,14 +163,14 @@ class Orderer {
 
   // By rank; by b-value first where that alone gives each step one diffusion weighting.
   std::vector<DicomFrames> with_even_weighting(const std::vector<DicomFrames>& places) const {
-    if (is_evenly_weighted(places)) return by_rank(places);
+    if (is_evenly_weighted(places)) return rank_dicom_frames(places);
     std::vector<DicomFrames> sorted = places;
     for (DicomFrames& place : sorted) {
       std::stable_sort(place.begin(), place.end(), [&](const auto& a, const auto& b) {
         return plane(a).b_value < plane(b).b_value;
       });
     }
-    return by_rank(is_evenly_weighted(sorted) ? sorted : places);
+    return rank_dicom_frames(is_evenly_weighted(sorted) ? sorted : places);
   }
 
   const std::vector<DicomFile>& files_;
@@ -317,6 +309,13 @@ std::vector<DicomKind> split_dicom_kinds(const std::vector<DicomFile>& files,
 std::vector<DicomFrames> order_dicom_steps(const std::vector<DicomFile>& files,
                                            const std::vector<DicomFrames>& places) {
   return Orderer(files, places).run();
+}
+
+std::vector<DicomFrames> rank_dicom_frames(const std::vector<DicomFrames>& places) {
+  std::vector<DicomFrames> steps(most_frames(places), DicomFrames(places.size()));
+  for (std::size_t i = 0; i < places.size(); ++i)
+    for (std::size_t rank = 0; rank < places[i].size(); ++rank) steps[rank][i] = places[i][rank];
+  return steps;
 }
 
 DicomTimes times_of_dicom_steps(const std::vector<DicomFile>& files,

@@ -30,6 +30,9 @@ std::vector<DicomKind> split_dicom_kinds(const std::vector<DicomFile>& files,
 std::vector<DicomFrames> order_dicom_steps(const std::vector<DicomFile>& files,
                                            const std::vector<DicomFrames>& places);
 
+// The same by the order of the frames alone: the first of each place, the second of each ...
+std::vector<DicomFrames> rank_dicom_frames(const std::vector<DicomFrames>& places);
+
 // When the steps were: trigger times; seconds of acquisition since the first; else multiples of
 // TemporalResolution, or of RepetitionTime where that is the time of a whole volume.
 DicomTimes times_of_dicom_steps(const std::vector<DicomFile>& files,

@@ -11,6 +11,7 @@
 #include <functional>
 
 #include "io/core/test_folder.h"
+#include "io/dicom/dicom_values.h"
 #include "io/dicom/test_dicom_series.h"
 #include "io/images/test_volumes.h"
 #include "ovoid/io.h"
@@ -290,6 +291,43 @@ TEST(DicomSteps, OverlappingSlabsAreVolumes) {
   ASSERT_EQ(dataset.blocks.size(), 2U);
   EXPECT_THAT(first_samples(dataset), ElementsAre(1, 11, 21, 31));
   EXPECT_THAT(first_samples(read_step(folder, 0, "4.2")), ElementsAre(101, 111, 121, 131));
+}
+
+// The second slab begins where the first ends: one volume, and the slice that is double.
+TEST(DicomSteps, SlabsThatShareASliceAreOneVolume) {
+  const TestFolder folder;
+  write_series(folder, 2, [](TestSlice& slice, int time, int place) {
+    slice.instance = std::to_string(4 * time + place + 1);
+    slice.groups.text(0x00200012, "IS", std::to_string(time + 1));
+    slice.position = fmt::format("-10\\20\\{}", 3 * (place + 3 * time));
+  });
+  const Dataset dataset = read_dataset({folder.file("")});
+  EXPECT_EQ(dataset.blocks.size(), 2U);
+  EXPECT_THAT(first_samples(dataset), ElementsAre(1, 11, 21, 31, 111, 121, 131));
+}
+
+TEST(DicomSteps, TemporalPositionsOrderWhatHasNoPlace) {
+  const TestFolder folder;
+  write_series(folder, 3, [](TestSlice& slice, int time, int place) {
+    slice.instance = std::to_string(3 * place + time + 1);
+    slice.position.clear();
+    slice.temporal_position = std::to_string(time + 1);
+  });
+  expect_steps(folder, 3);
+}
+
+TEST(DicomValues, DatesAndTimes) {
+  EXPECT_EQ(dicom_time_seconds("102030.25"), 37230.25);
+  EXPECT_EQ(dicom_time_seconds("10:20:30.5 "), 37230.5);
+  EXPECT_EQ(dicom_time_seconds("1020"), 37200);
+  EXPECT_EQ(dicom_time_seconds("10"), 36000);
+  for (const char* text : {"", "1", "ab", "102030,5", "10203", "102030.x"})
+    EXPECT_FALSE(dicom_time_seconds(text)) << text;
+  EXPECT_EQ(dicom_date_seconds("19700102"), 86400);
+  EXPECT_EQ(dicom_date_seconds("1970.01.02"), 86400);
+  EXPECT_FALSE(dicom_date_seconds("19701302"));
+  EXPECT_EQ(dicom_date_time_seconds("19700102000001.5+0100"), 86401.5);
+  EXPECT_FALSE(dicom_date_time_seconds("1970"));
 }
 
 // --- enhanced files -----------------------------------------------------------------------------

@@ -406,6 +406,7 @@ bool has_library([[maybe_unused]] std::string_view name) {
 
 const Format* format_by_content(const ByteSource& source) {
   std::string start = source.text(0, kStart);
+  if (has_dicom_header(start)) return &format_called("DICOM");  // whatever its preamble looks like
   for (const Format& format : formats())
     if (format.is_file != nullptr && format.is_file(source, start)) return &format;
   const Packing packing = is_gzip(start)    ? Packing::kGzip

@@ -18,7 +18,18 @@ bool is_bzip2(std::string_view start) noexcept {
 
 bool is_hdf5(std::string_view start) noexcept { return start.starts_with("\x89HDF\r\n\x1a\n"); }
 
+bool has_dicom_header(std::string_view start) noexcept {
+  constexpr std::size_t kPreamble = 128;
+  if (start.size() < kDicomStart || start.substr(kPreamble, 4) != "DICM") return false;
+  // Group 2, always in explicit little endian: the letters of a value representation. A picture
+  // whose samples happen to read DICM has no such thing behind them.
+  const std::string_view element = start.substr(kPreamble + 4, 6);
+  const auto is_letter = [](char c) { return c >= 'A' && c <= 'Z'; };
+  return element[0] == 2 && element[1] == 0 && is_letter(element[4]) && is_letter(element[5]);
+}
+
 std::string picture_format_of(std::string_view start) {
+  if (has_dicom_header(start)) return {};
   using namespace std::string_view_literals;
   for (const std::string_view magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv}) {
     if (start.starts_with(magic)) return "TIFF";

@@ -2,6 +2,7 @@
 // What several formats are told by: the first bytes of a file, and the ending of its name.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -14,7 +15,14 @@ bool is_bzip2(std::string_view start) noexcept;
 // The magic of HDF5, whatever is in the file.
 bool is_hdf5(std::string_view start) noexcept;
 
-// The format of a picture that may be a slice of somebody's volume: "TIFF"; empty if it is none.
+// A DICOM file with its header: behind a preamble of 128 bytes, which may begin like any other
+// file, DICM and an element of the header's group. `start`: at least kDicomStart bytes, if there
+// are. Source: [DICOM PS3.10], 7.1.
+bool has_dicom_header(std::string_view start) noexcept;
+inline constexpr std::size_t kDicomStart = 138;
+
+// The format of a picture that may be a slice of somebody's volume: "TIFF"; empty if it is none, or
+// DICOM with such a preamble.
 std::string picture_format_of(std::string_view start);
 
 // The lower-case ending with its dot (".nrrd"), with the one before it if it is ".gz" (".nii.gz");

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <memory>
 #include <system_error>
@@ -43,7 +43,8 @@ bool begins_like_dicom(const ByteSource& source) { return looks_like_dicom(sourc
 // What of the input is no part of a volume.
 struct LeftOut {
   std::int64_t num_others = 0;                     // no DICOM
-  std::int64_t num_without_pixels = 0;             // reports, directories
+  std::int64_t num_directories = 0;                // DICOMDIR
+  std::int64_t num_without_pixels = 0;             // reports
   std::map<std::string, std::int64_t> unreadable;  // by reason
 
   std::vector<std::string> notes(const std::string& source) const {
@@ -54,6 +55,7 @@ struct LeftOut {
                                    count == 1 ? "file is" : "files are", what));
     };
     add(num_others, "no DICOM");
+    add(num_directories, "DICOMDIR, the directory of a medium");
     add(num_without_pixels, "DICOM without pixels");
     for (const auto& [reason, count] : unreadable) add(count, reason);
     return result;
@@ -74,7 +76,7 @@ class DicomReader {
     if (files_.empty()) refuse_empty(names.size());
     groups_ = group_dicom_frames(files_, [this](const DicomFrame& a, const DicomFrame& b) {
       const SharedSource data_a = data_of(a.file), data_b = data_of(b.file);
-      return is_same_dicom_frame(*data_a, files_[a.file], a.frame, *data_b, files_[b.file],
+      return is_same_dicom_slice(*data_a, files_[a.file], a.frame, *data_b, files_[b.file],
                                  b.frame);
     });
     const std::size_t chosen = choose_group();
@@ -102,7 +104,7 @@ class DicomReader {
     }
     DicomFile parsed = read_dicom_file(*dicom_data_source(file));
     if (parsed.pixels == DicomPixels::kNone) {
-      ++left_out_.num_without_pixels;
+      ++(parsed.is_directory ? left_out_.num_directories : left_out_.num_without_pixels);
       return;
     }
     const std::string reason = unreadable_reason(parsed);
@@ -120,6 +122,18 @@ class DicomReader {
                   num_files == 1 ? fmt::format("{}: {}", source_, reason)
                                  : fmt::format("{}: none of {} files can be read; {} of them: {}",
                                                source_, num_files, count, reason));
+    }
+    if (left_out_.num_directories > 0) {
+      std::error_code ignored;
+      const std::string folder = fs::path(source_).parent_path().string();
+      throw Error(
+          ErrorCode::kUnsupported,
+          fs::is_directory(source_, ignored)
+              ? fmt::format("{}: holds a DICOMDIR, the directory of a medium, and no images",
+                            source_)
+              : fmt::format("{}: is a DICOMDIR, the directory of a medium, without images: "
+                            "open the folder that it lies in, '{}'",
+                            source_, folder.empty() ? "." : folder));
     }
     if (left_out_.num_without_pixels > 0) {
       throw Error(ErrorCode::kUnsupported,
@@ -152,7 +166,7 @@ class DicomReader {
 
   std::int64_t size_of_group(const DicomGroup& group) const {
     const DicomFrame& first = group.steps[0][0];
-    return files_[first.file].rows * files_[first.file].columns *
+    return files_[first.file].slice_rows() * files_[first.file].slice_columns() *
            static_cast<std::int64_t>(group.steps[0].size());
   }
 
@@ -204,7 +218,7 @@ class DicomReader {
 
   bool needs_foreign_decoder(const DicomVolume& volume) const {
     const auto needs = [&](const DicomFrame& frame) {
-      return frame.file != DicomFrame::kMissing && files_[frame.file].is_encapsulated &&
+      return !frame.is_missing() && files_[frame.file].is_encapsulated &&
              io::needs_foreign_decoder(files_[frame.file].transfer_syntax);
     };
     return std::any_of(volume.steps.begin(), volume.steps.end(), [&](const auto& slices) {
@@ -216,7 +230,8 @@ class DicomReader {
     dataset_.lattice = volume.lattice;
     dataset_.space = volume.space;
     dataset_.num_steps = static_cast<std::int64_t>(volume.steps.size());
-    dataset_.times = volume.times;
+    dataset_.times = std::move(volume.times.values);
+    if (!dataset_.times.empty()) dataset_.time_unit = volume.times.unit;
     choose_values(volume);
     note_contents(volume);
     for (std::string& note : volume.notes) dataset_.notes.push_back(std::move(note));
@@ -224,7 +239,8 @@ class DicomReader {
     read_steps(volume);
   }
 
-  // Stored numbers with one scale, or values where slices have scales of their own or are missing.
+  // Stored numbers with one scale, or values where slices have scales of their own or are made of
+  // others.
   void choose_values(DicomVolume& volume) {
     const DicomPlane& first = plane_of(first_frame(volume));
     array_.name = "values";
@@ -234,14 +250,14 @@ class DicomReader {
     bool is_uniform = true;
     for (const auto& step : volume.steps) {
       for (const DicomFrame& frame : step) {
-        if (frame.file == DicomFrame::kMissing) continue;
+        if (frame.is_missing()) continue;
         const DicomPlane& plane = plane_of(frame);
         if (plane.slope.value_or(1) == 0) fail(frame, "RescaleSlope 0: expected another number");
         is_uniform = is_uniform && plane.slope.value_or(1) == first.slope.value_or(1) &&
                      plane.intercept.value_or(0) == first.intercept.value_or(0);
       }
     }
-    stores_values_ = !is_uniform || volume.num_missing > 0;
+    stores_values_ = !is_uniform || volume.is_resampled();
     if (!stores_values_) {
       array_.value_scale = first.slope.value_or(1);
       array_.value_offset = first.intercept.value_or(0);
@@ -296,11 +312,11 @@ class DicomReader {
     }
     const std::int64_t first = step;
     for (;; ++step) {
-      read_step(volume, volume.steps[static_cast<std::size_t>(step)]);
+      read_step(volume, static_cast<std::size_t>(step));
       if (options_.step || num_steps == 1 || varies()) break;
       if (step + 1 < num_steps) continue;
       step = first;  // none does
-      read_step(volume, volume.steps[static_cast<std::size_t>(step)]);
+      read_step(volume, static_cast<std::size_t>(step));
       break;
     }
     dataset_.step = step;
@@ -314,7 +330,7 @@ class DicomReader {
            std::memcmp(bytes.data(), bytes.data() + size, bytes.size() - size) != 0;
   }
 
-  void read_step(const DicomVolume& volume, const std::vector<DicomFrame>& slices) {
+  void read_step(const DicomVolume& volume, std::size_t step) {
     const std::int64_t num_bytes =
         checked_num_bytes(source_ + ": its volume", volume.lattice.dims, array_.type);
     const std::int64_t slice_bytes = num_bytes / volume.lattice.dims[2];
@@ -322,46 +338,75 @@ class DicomReader {
     UnpackedSamples samples(
         fmt::format("{}: {}", source_, layout_text(volume.lattice.dims, array_.type)), num_bytes,
         is_chosen && stays_in_file(array_.type, num_bytes, options_));
+    const std::vector<DicomPlaneParts> planes = parts_of_planes(volume, step);
     // What a native file states has been compared with its size; a stream says little by its own.
-    if (!files_[slices[0].file].is_encapsulated) samples.reserve();
+    if (!files_[planes[0].below.file].is_encapsulated) samples.reserve();
     ReadProgress progress(options_, num_bytes);
-    SharedSource data;
-    std::size_t open_file = DicomFrame::kMissing;
-    for (const DicomFrame& frame : slices) {
-      if (frame.file != DicomFrame::kMissing && frame.file != open_file) {
-        data = data_of(frame.file);
-        open_file = frame.file;
-      }
-      samples.append(slice_bytes, [&](std::span<std::byte> slice) {
-        if (frame.file == DicomFrame::kMissing)
-          fill_missing(slice);
+    for (const DicomPlaneParts& parts : planes) {
+      samples.append(slice_bytes, [&](std::span<std::byte> plane) {
+        if (!stores_values_)
+          read_stored(parts.below, plane);
         else
-          read_slice(*data, frame, slice);
+          fill_plane(parts, plane);
       });
       progress.advance(slice_bytes);
     }
     samples.release(options_, &array_);
   }
 
-  void read_slice(const ByteSource& data, const DicomFrame& frame, std::span<std::byte> out) {
-    const DicomFile& file = files_[frame.file];
-    if (!stores_values_) {
-      read_dicom_frame(data, file, frame.frame, out);
-      return;
+  void read_stored(const DicomFrame& frame, std::span<std::byte> out) {
+    if (open_file_ != frame.file) {
+      data_ = data_of(frame.file);
+      open_file_ = frame.file;
     }
-    stored_.resize(static_cast<std::size_t>(file.frame_bytes()));
-    read_dicom_frame(data, file, frame.frame, stored_);
+    slice_reader_.read(*data_, files_[frame.file], frame.frame, out);
+  }
+
+  // Kept for the planes between two slices, which are read from below.
+  std::span<const std::byte> values_of(const DicomFrame& frame) {
+    for (const SliceValues& kept : kept_)
+      if (kept.frame == frame) return kept.bytes;
+    SliceValues& oldest = kept_[next_kept_];
+    next_kept_ = 1 - next_kept_;
+    oldest.frame = {};
+    const DicomFile& file = files_[frame.file];
+    stored_.resize(static_cast<std::size_t>(file.slice_bytes()));
+    read_stored(frame, stored_);
     const DicomPlane& plane = plane_of(frame);
     const double slope = plane.slope.value_or(1), intercept = plane.intercept.value_or(0);
-    std::byte* const to = out.data();
     data::visit_scalar(file.scalar_type(), [&]<class From>(std::type_identity<From>) {
       const auto count = static_cast<std::int64_t>(stored_.size() / sizeof(From));
+      oldest.bytes.resize(static_cast<std::size_t>(count) * size_of(array_.type));
       for (std::int64_t i = 0; i < count; ++i) {
         const double value =
             static_cast<double>(data::load_scalar<From>(stored_.data(), i)) * slope + intercept;
-        store(to, i, value);
+        store(oldest.bytes.data(), i, value);
       }
     });
+    oldest.frame = frame;
+    return oldest.bytes;
+  }
+
+  // Two slices are kept, so that both spans hold.
+  void fill_plane(const DicomPlaneParts& parts, std::span<std::byte> out) {
+    const std::span<const std::byte> below = values_of(parts.below);
+    if (parts.weight == 0) {
+      std::ranges::copy(below, out.begin());
+      return;
+    }
+    const std::span<const std::byte> above = values_of(parts.above);
+    const auto count = static_cast<std::int64_t>(out.size() / size_of(array_.type));
+    const auto mix = [&]<class Value>(std::type_identity<Value>) {
+      for (std::int64_t i = 0; i < count; ++i) {
+        const auto a = static_cast<double>(data::load_scalar<Value>(below.data(), i));
+        const auto b = static_cast<double>(data::load_scalar<Value>(above.data(), i));
+        store(out.data(), i, a + parts.weight * (b - a));
+      }
+    };
+    if (array_.type == ScalarType::kFloat32)
+      mix(std::type_identity<float>());
+    else
+      mix(std::type_identity<double>());
   }
 
   void store(std::byte* to, std::int64_t index, double value) const {
@@ -373,11 +418,11 @@ class DicomReader {
     }
   }
 
-  void fill_missing(std::span<std::byte> bytes) const {
-    const auto count = static_cast<std::int64_t>(bytes.size() / size_of(array_.type));
-    for (std::int64_t i = 0; i < count; ++i)
-      store(bytes.data(), i, std::numeric_limits<double>::quiet_NaN());
-  }
+  // The values of one slice.
+  struct SliceValues {
+    DicomFrame frame;
+    std::vector<std::byte> bytes;
+  };
 
   std::string source_;
   SourceOpener open_;
@@ -390,8 +435,13 @@ class DicomReader {
   std::vector<DicomGroup> groups_;
   Dataset dataset_;
   DataArray array_;
-  bool stores_values_ = false;     // not the stored numbers
+  bool stores_values_ = false;  // not the stored numbers
+  DicomSliceReader slice_reader_;
+  SharedSource data_;  // of the file that was read last
+  std::size_t open_file_ = DicomFrame::kMissing;
   std::vector<std::byte> stored_;  // one slice's, while its values are computed
+  std::array<SliceValues, 2> kept_;
+  std::size_t next_kept_ = 0;
 };
 
 // Regular files of one folder, sorted; its folders are added to `folders`.

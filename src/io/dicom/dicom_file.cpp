@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <utility>
 
-#include "io/core/numbers.h"
 #include "io/core/samples.h"
 #include "io/dicom/dicom_codec.h"
+#include "io/dicom/dicom_collector.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -18,361 +17,6 @@ namespace {
 
 constexpr const char* kImplicitSyntax = "1.2.840.10008.1.2";
 constexpr const char* kBigSyntax = "1.2.840.10008.1.2.2";
-
-// Longer values of the elements that are read are not what they should be.
-constexpr std::int64_t kMaxValue = 1024;
-constexpr std::int64_t kMaxOffsetVector = std::int64_t{1} << 20;  // GridFrameOffsetVector
-
-// Elements and sequences by their names in the standard's data dictionary.
-enum : DicomTag {
-  kSopInstanceUid = 0x00080018,
-  kAcquisitionTime = 0x00080032,
-  kModality = 0x00080060,
-  kSeriesDescription = 0x0008103E,
-  kSliceThickness = 0x00180050,
-  kEchoTime = 0x00180081,
-  kSpacingBetweenSlices = 0x00180088,
-  kTriggerTime = 0x00181060,
-  kImagerPixelSpacing = 0x00181164,
-  kSeriesInstanceUid = 0x0020000E,
-  kSeriesNumber = 0x00200011,
-  kAcquisitionNumber = 0x00200012,
-  kInstanceNumber = 0x00200013,
-  kImagePosition = 0x00200032,
-  kImageOrientation = 0x00200037,
-  kTemporalPosition = 0x00200100,
-  kTemporalPositionIndex = 0x00209128,
-  kSamplesPerPixel = 0x00280002,
-  kPhotometric = 0x00280004,
-  kNumberOfFrames = 0x00280008,
-  kFrameIncrementPointer = 0x00280009,
-  kRows = 0x00280010,
-  kColumns = 0x00280011,
-  kPixelSpacing = 0x00280030,
-  kBitsAllocated = 0x00280100,
-  kBitsStored = 0x00280101,
-  kHighBit = 0x00280102,
-  kPixelRepresentation = 0x00280103,
-  kRescaleIntercept = 0x00281052,
-  kRescaleSlope = 0x00281053,
-  kRescaleType = 0x00281054,
-  kModalityLut = 0x00283000,
-  kUnits = 0x00541001,
-  kDoseUnits = 0x30040002,
-  kGridFrameOffsets = 0x3004000C,
-  kDoseGridScaling = 0x3004000E,
-  kFloatPixelData = 0x7FE00008,
-  kDoublePixelData = 0x7FE00009,
-  kPixelData = 0x7FE00010,
-  // Sequences
-  kFrameContent = 0x00209111,
-  kPlanePosition = 0x00209113,
-  kPlaneOrientation = 0x00209116,
-  kPixelMeasures = 0x00289110,
-  kPixelValueTransformation = 0x00289145,
-  kDetectorInformation = 0x00540022,
-  kSharedGroups = 0x52009229,
-  kPerFrameGroups = 0x52009230,
-};
-
-bool is_functional_group(DicomTag tag) noexcept {
-  return tag == kFrameContent || tag == kPlanePosition || tag == kPlaneOrientation ||
-         tag == kPixelMeasures || tag == kPixelValueTransformation;
-}
-
-std::string_view without_padding(std::string_view text) noexcept {
-  constexpr std::string_view kPadding(" \0\t\r\n", 5);
-  const auto first = text.find_first_not_of(kPadding);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kPadding) - first + 1);
-}
-
-// Gathers the wanted values while the elements are walked.
-class Collector final : public DicomVisitor {
- public:
-  Collector(const ByteSource& source, DicomFile& file) : source_(source), file_(file) {}
-
-  DicomPlane general, shared;
-  std::vector<DicomPlane> own;        // of the first frames; the rest have none
-  std::vector<double> frame_offsets;  // GridFrameOffsetVector
-  bool has_own_positions = false;
-
-  bool enter(DicomTag sequence, std::span<const DicomLevel> path) override {
-    if (sequence == kModalityLut && path.empty()) file_.has_modality_lut = true;
-    if (path.empty()) {
-      return sequence == kSharedGroups || sequence == kPerFrameGroups ||
-             sequence == kDetectorInformation;
-    }
-    return path.size() == 1 && path[0].sequence != kDetectorInformation &&
-           is_functional_group(sequence);
-  }
-
-  void visit(const DicomElement& element, std::span<const DicomLevel> path) override {
-    if (element.length < 0 && !is_pixels(element.tag)) return;
-    if (path.empty()) {
-      visit_general(element);
-      return visit_plane(element, general);
-    }
-    if (path.size() == 1 && path[0].sequence == kDetectorInformation && path[0].item == 0) {
-      if (element.tag == kImagePosition || element.tag == kImageOrientation)
-        visit_plane(element, general);
-      return;
-    }
-    if (path.size() != 2 || path[1].item != 0) return;
-    if (path[0].sequence == kSharedGroups) return visit_plane(element, shared);
-    if (path[0].sequence != kPerFrameGroups || path[0].item >= kMaxDicomFrames) return;
-    const auto frame = static_cast<std::size_t>(path[0].item);
-    if (own.size() <= frame) own.resize(frame + 1);
-    visit_plane(element, own[frame]);
-    has_own_positions = has_own_positions || own[frame].position;
-  }
-
- private:
-  static bool is_pixels(DicomTag tag) {
-    return tag == kPixelData || tag == kFloatPixelData || tag == kDoublePixelData;
-  }
-
-  [[noreturn]] void fail(const DicomElement& element, const std::string& what) const {
-    throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: {}: {}", source_.name(), tag_text(element.tag), what));
-  }
-
-  std::string text(const DicomElement& element, std::int64_t limit = kMaxValue) const {
-    if (element.length > limit)
-      fail(element, fmt::format("{} bytes: expected at most {}", element.length, limit));
-    return std::string(without_padding(source_.text(element.offset, element.length)));
-  }
-
-  // An unsigned short, or whatever else of up to four bytes a writer took for it.
-  std::int64_t integer(const DicomElement& element) const {
-    const std::string bytes =
-        source_.text(element.offset, std::min<std::int64_t>(element.length, 4));
-    if (bytes.size() != 2 && bytes.size() != 4)
-      fail(element, fmt::format("{} bytes: expected an integer of 2 or 4", element.length));
-    return static_cast<std::int64_t>(unsigned_of(bytes, element.is_big_endian));
-  }
-
-  // Numbers between backslashes. Empty if the value is.
-  std::vector<double> numbers(const DicomElement& element, std::int64_t limit = kMaxValue) const {
-    const std::string all = text(element, limit);
-    std::vector<double> result;
-    if (all.empty()) return result;
-    for (std::size_t begin = 0; begin <= all.size();) {
-      const std::size_t end = std::min(all.find('\\', begin), all.size());
-      const std::string_view one =
-          without_padding(std::string_view(all).substr(begin, end - begin));
-      const auto value = parse_number<double>(one);
-      if (!value) fail(element, fmt::format("'{}' is not a number", one.substr(0, 40)));
-      // Products of a few stay finite.
-      if (!(std::abs(*value) <= 1e30))
-        fail(element, fmt::format("{} is beyond 1e30", one.substr(0, 40)));
-      result.push_back(*value);
-      begin = end + 1;
-    }
-    return result;
-  }
-
-  template <std::size_t count>
-  std::optional<std::array<double, count>> exactly(const DicomElement& element) const {
-    const std::vector<double> values = numbers(element);
-    if (values.empty()) return std::nullopt;
-    if (values.size() != count)
-      fail(element, fmt::format("{} numbers: expected {}", values.size(), count));
-    std::array<double, count> result;
-    std::copy(values.begin(), values.end(), result.begin());
-    return result;
-  }
-
-  std::optional<double> number(const DicomElement& element) const {
-    const auto value = exactly<1>(element);
-    return value ? std::optional((*value)[0]) : std::nullopt;
-  }
-
-  // Numbers that only sort or describe: odd ones are passed over.
-  std::optional<double> number_if_any(const DicomElement& element) const {
-    try {
-      return number(element);
-    } catch (const Error&) {
-      return std::nullopt;
-    }
-  }
-
-  // HHMMSS.FFFFFF
-  std::optional<double> time_of_day(const DicomElement& element) const {
-    const auto value = number_if_any(element);
-    if (!value) return value;
-    const double hours = std::floor(*value / 10000);
-    const double minutes = std::floor((*value - hours * 10000) / 100);
-    return hours * 3600 + minutes * 60 + (*value - hours * 10000 - minutes * 100);
-  }
-
-  void visit_plane(const DicomElement& element, DicomPlane& plane) {
-    switch (element.tag) {
-      case kImagePosition:
-        if (const auto p = exactly<3>(element)) plane.position = Vec3((*p)[0], (*p)[1], (*p)[2]);
-        break;
-      case kImageOrientation:
-        if (const auto o = exactly<6>(element)) {
-          plane.orientation = {Vec3((*o)[0], (*o)[1], (*o)[2]), Vec3((*o)[3], (*o)[4], (*o)[5])};
-        }
-        break;
-      case kPixelSpacing:
-        if (const auto spacing = exactly<2>(element)) plane.spacing = spacing;
-        break;
-      case kSliceThickness:
-        plane.slice_thickness = number_if_any(element);
-        break;
-      case kSpacingBetweenSlices:
-        plane.slice_spacing = number_if_any(element);
-        break;
-      case kRescaleSlope:
-      case kDoseGridScaling:
-        plane.slope = number(element);
-        break;
-      case kRescaleIntercept:
-        plane.intercept = number(element);
-        break;
-      case kRescaleType:
-        plane.rescale_type = text(element);
-        break;
-      case kTemporalPosition:
-        plane.temporal_position = number_if_any(element);
-        break;
-      case kTemporalPositionIndex:
-        plane.temporal_position = static_cast<double>(integer(element));
-        break;
-      default:
-        break;
-    }
-  }
-
-  void visit_general(const DicomElement& element) {
-    if (is_pixels(element.tag)) return visit_pixels(element);
-    if (element.tag >> 16U == 0x0028U) return visit_image(element);
-    switch (element.tag) {
-      case kSopInstanceUid:
-        file_.sop_uid = text(element);
-        break;
-      case kSeriesInstanceUid:
-        file_.series_uid = text(element);
-        break;
-      case kModality:
-        file_.modality = text(element);
-        break;
-      case kSeriesDescription:
-        file_.series_description = text(element);
-        break;
-      case kUnits:
-      case kDoseUnits:
-        file_.units = text(element);
-        break;
-      case kSeriesNumber:
-        file_.series_number = number_if_any(element);
-        break;
-      case kInstanceNumber:
-        file_.instance_number = number_if_any(element);
-        break;
-      case kAcquisitionNumber:
-        file_.acquisition_number = number_if_any(element);
-        break;
-      case kEchoTime:
-        file_.echo_time = number_if_any(element);
-        break;
-      case kTriggerTime:
-        file_.trigger_time = number_if_any(element);
-        break;
-      case kAcquisitionTime:
-        file_.acquisition_time = time_of_day(element);
-        break;
-      case kGridFrameOffsets:
-        frame_offsets = numbers(element, kMaxOffsetVector);
-        break;
-      case kImagerPixelSpacing:
-        imager_spacing_ = exactly<2>(element);
-        break;
-      default:
-        break;
-    }
-  }
-
-  void visit_image(const DicomElement& element) {
-    switch (element.tag) {
-      case kPhotometric:
-        file_.photometric = text(element);
-        break;
-      case kNumberOfFrames:
-        if (const auto count = number(element)) {
-          if (!(*count >= 1 && *count <= static_cast<double>(kMaxDicomFrames)))
-            fail(element, fmt::format("{} frames: expected 1 to {}", *count, kMaxDicomFrames));
-          file_.num_frames = static_cast<std::int64_t>(*count);
-        }
-        break;
-      case kFrameIncrementPointer:
-        // FrameTime or FrameTimeVector: two words, the group first.
-        if (element.length == 4) {
-          const std::int64_t word = integer(element);
-          const std::int64_t low = word & 0xFFFF, high = word >> 16;
-          const std::int64_t number = element.is_big_endian ? low : high;
-          const std::int64_t group = element.is_big_endian ? high : low;
-          file_.frames_are_times = group == 0x0018 && (number == 0x1063 || number == 0x1065);
-        }
-        break;
-      case kSamplesPerPixel:
-        file_.samples_per_pixel = static_cast<int>(std::min<std::int64_t>(integer(element), 65535));
-        break;
-      case kRows:
-        file_.rows = integer(element);
-        break;
-      case kColumns:
-        file_.columns = integer(element);
-        break;
-      case kBitsAllocated:
-        file_.bits_allocated = static_cast<int>(std::min<std::int64_t>(integer(element), 65535));
-        break;
-      case kBitsStored:
-        file_.bits_stored = static_cast<int>(std::min<std::int64_t>(integer(element), 65535));
-        break;
-      case kHighBit:
-        file_.high_bit = static_cast<int>(std::min<std::int64_t>(integer(element), 65535));
-        has_high_bit_ = true;
-        break;
-      case kPixelRepresentation:
-        file_.is_signed = integer(element) == 1;
-        break;
-      case kModalityLut:
-        file_.has_modality_lut = true;
-        break;
-      default:
-        break;
-    }
-  }
-
-  void visit_pixels(const DicomElement& element) {
-    file_.pixels = element.tag == kPixelData        ? DicomPixels::kInteger
-                   : element.tag == kFloatPixelData ? DicomPixels::kFloat32
-                                                    : DicomPixels::kFloat64;
-    file_.pixel_data = element;
-    if (element.length < 0) {
-      file_.is_encapsulated = true;
-      file_.fragments = read_dicom_fragments(source_, element.offset);
-    }
-    if (file_.pixels != DicomPixels::kInteger) {
-      file_.bits_allocated = file_.pixels == DicomPixels::kFloat32 ? 32 : 64;
-      file_.bits_stored = file_.bits_allocated;
-      has_high_bit_ = false;
-    }
-    if (!has_high_bit_) file_.high_bit = file_.bits_stored - 1;
-    if (!general.spacing && imager_spacing_) {
-      general.spacing = imager_spacing_;
-      file_.spacing_is_imager = true;
-    }
-  }
-
-  const ByteSource& source_;
-  DicomFile& file_;
-  std::optional<std::array<double, 2>> imager_spacing_;
-  bool has_high_bit_ = false;
-};
 
 [[noreturn]] void fail(const DicomFile& file, const std::string& what) {
   throw Error(ErrorCode::kFileFormat, fmt::format("{}: {}", file.name, what));
@@ -463,7 +107,7 @@ void stack_frames(const std::vector<double>& offsets, DicomFile& file) {
   }
 }
 
-void complete_planes(Collector& found, DicomFile& file) {
+void complete_planes(DicomCollector& found, DicomFile& file) {
   const auto num_frames = static_cast<std::size_t>(file.num_frames);
   found.shared.complete_from(found.general);
   file.planes = std::move(found.own);
@@ -471,10 +115,48 @@ void complete_planes(Collector& found, DicomFile& file) {
   for (DicomPlane& plane : file.planes) plane.complete_from(found.shared);
   if (num_frames == 1 || found.has_own_positions) return;
   if (file.frames_are_times) {
-    for (std::size_t i = 0; i < num_frames; ++i)
+    for (std::size_t i = 0; i < num_frames; ++i) {
       file.planes[i].temporal_position = static_cast<double>(i);
+      if (file.frame_time) file.planes[i].trigger_time = *file.frame_time * static_cast<double>(i);
+    }
   } else {
     stack_frames(found.frame_offsets, file);
+  }
+}
+
+// The place of a mosaic's first slice. What its file states is the first sample's place of a slice
+// as large as the whole picture, with the same centre.
+Vec3 mosaic_start(const DicomFile& file, const DicomPlane& plane) {
+  const double right =
+      static_cast<double>(file.columns - file.slice_columns()) / 2 * (*plane.spacing)[1];
+  const double down = static_cast<double>(file.rows - file.slice_rows()) / 2 * (*plane.spacing)[0];
+  return *plane.position + (*plane.orientation)[0] * right + (*plane.orientation)[1] * down;
+}
+
+// From slice to slice: along the normal, against it where the CSA header says so.
+std::optional<Vec3> mosaic_step(const DicomPlane& plane, const CsaHeader& csa) {
+  const auto distance = plane.slice_spacing ? plane.slice_spacing : plane.slice_thickness;
+  if (!distance || *distance == 0) return std::nullopt;
+  const Vec3 normal = (*plane.orientation)[0].cross((*plane.orientation)[1]);
+  const bool is_against = csa.normal && csa.normal->dot(normal) < 0;
+  return normal * (is_against ? -std::abs(*distance) : std::abs(*distance));
+}
+
+// A plane for each tile of a picture of many.
+void divide_plane(const StatedTiles& stated, DicomFile& file) {
+  const DicomPlane whole = file.planes.front();
+  file.planes.assign(static_cast<std::size_t>(file.tiles.count), whole);
+  if (stated.is_grid) {
+    for (std::size_t i = 0; i < file.planes.size(); ++i)
+      file.planes[i].position = stated.positions[i];
+    return;
+  }
+  const bool is_placed = whole.position && whole.orientation && whole.spacing;
+  const auto step = is_placed ? mosaic_step(whole, stated.csa) : std::nullopt;
+  const Vec3 start = step ? mosaic_start(file, whole) : Vec3::Zero();
+  for (std::size_t i = 0; i < file.planes.size(); ++i) {
+    file.planes[i].position.reset();
+    if (step) file.planes[i].position = start + *step * static_cast<double>(i);
   }
 }
 
@@ -492,7 +174,15 @@ void DicomPlane::complete_from(const DicomPlane& general) {
   fill(slope, general.slope);
   fill(intercept, general.intercept);
   fill(temporal_position, general.temporal_position);
+  fill(trigger_time, general.trigger_time);
+  fill(acquisition_time, general.acquisition_time);
+  fill(content_time, general.content_time);
+  fill(echo_number, general.echo_number);
+  fill(echo_time, general.echo_time);
+  fill(b_value, general.b_value);
   if (rescale_type.empty()) rescale_type = general.rescale_type;
+  if (image_type.empty()) image_type = general.image_type;
+  if (dimensions.empty()) dimensions = general.dimensions;
 }
 
 ScalarType DicomFile::scalar_type() const noexcept {
@@ -511,8 +201,10 @@ DicomFile read_dicom_file(const ByteSource& data) {
   const DicomSyntax claimed = file.transfer_syntax == kImplicitSyntax ? DicomSyntax::kImplicitLittle
                               : file.transfer_syntax == kBigSyntax    ? DicomSyntax::kExplicitBig
                                                                    : DicomSyntax::kExplicitLittle;
-  Collector found(data, file);
+  DicomCollector found(data, file);
   walk_dicom(data, meta.end, dicom_syntax_at(data, meta.end, claimed), found);
+  found.finish();
+  file.tiles = divide_tiles(found.tiles, file.rows, file.columns, file.num_frames);
   if (file.pixels == DicomPixels::kNone || !unreadable_reason(file).empty()) return file;
   check_image(file);
   if (file.is_encapsulated) {
@@ -521,6 +213,7 @@ DicomFile read_dicom_file(const ByteSource& data) {
     check_native_length(file);
   }
   complete_planes(found, file);
+  if (file.is_tiled()) divide_plane(found.tiles, file);
   return file;
 }
 
@@ -529,6 +222,7 @@ std::string unreadable_reason(const DicomFile& file) {
     return fmt::format("colour picture ({}, {} samples per pixel)", file.photometric,
                        file.samples_per_pixel);
   }
+  if (!file.tiles.fault.empty()) return file.tiles.fault;
   if (file.photometric.starts_with("PALETTE")) return "colour picture (PALETTE COLOR)";
   const int bits = file.bits_allocated;
   if (file.pixels == DicomPixels::kInteger && bits != 8 && bits != 16 && bits != 32) {

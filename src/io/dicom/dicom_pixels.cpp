@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "io/core/memory.h"
 #include "io/core/samples.h"
 #include "io/dicom/dicom_codec.h"
 #include "ovoid/error.h"
@@ -88,10 +89,9 @@ void keep_stored_bits(std::span<std::byte> bytes, const DicomFile& file) {
   if (file.bits_allocated == 32) unpack<std::uint32_t>(bytes, file);
 }
 
-}  // namespace
-
-void read_dicom_frame(const ByteSource& data, const DicomFile& file, std::size_t frame,
-                      std::span<std::byte> out) {
+// `out` has file.frame_bytes().
+void read_frame(const ByteSource& data, const DicomFile& file, std::size_t frame,
+                std::span<std::byte> out) {
   if (file.is_encapsulated) {
     const std::vector<std::byte> stream = stored_bytes(data, file, frame);
     std::string where = file.name;
@@ -110,10 +110,43 @@ void read_dicom_frame(const ByteSource& data, const DicomFile& file, std::size_t
   keep_stored_bits(out, file);
 }
 
-bool is_same_dicom_frame(const ByteSource& data_a, const DicomFile& a, std::size_t frame_a,
-                         const ByteSource& data_b, const DicomFile& b, std::size_t frame_b) {
-  return a.transfer_syntax == b.transfer_syntax &&
-         stored_bytes(data_a, a, frame_a) == stored_bytes(data_b, b, frame_b);
+// The bytes of one tile, row by row.
+void copy_tile(std::span<const std::byte> picture, const DicomFile& file, std::int64_t tile,
+               std::span<std::byte> out) {
+  const std::int64_t sample = file.bits_allocated / 8;
+  const std::int64_t row_bytes = file.slice_columns() * sample;
+  const std::int64_t first_row = tile / file.tiles.across * file.slice_rows();
+  const std::int64_t first_byte = tile % file.tiles.across * row_bytes;
+  for (std::int64_t row = 0; row < file.slice_rows(); ++row) {
+    const std::int64_t from = (first_row + row) * file.columns * sample + first_byte;
+    std::copy_n(picture.begin() + from, row_bytes, out.begin() + row * row_bytes);
+  }
+}
+
+}  // namespace
+
+void DicomSliceReader::read(const ByteSource& data, const DicomFile& file, std::size_t slice,
+                            std::span<std::byte> out) {
+  if (!file.is_tiled()) return read_frame(data, file, slice, out);
+  const auto num_tiles = static_cast<std::size_t>(file.tiles.count);
+  const std::size_t frame = slice / num_tiles;
+  if (file_ != &file || frame_ != frame) {
+    file_ = nullptr;
+    require_memory(file.name + ": its picture", file.frame_bytes());
+    picture_.resize(static_cast<std::size_t>(file.frame_bytes()));
+    read_frame(data, file, frame, picture_);
+    file_ = &file;
+    frame_ = frame;
+  }
+  copy_tile(picture_, file, static_cast<std::int64_t>(slice % num_tiles), out);
+}
+
+bool is_same_dicom_slice(const ByteSource& data_a, const DicomFile& a, std::size_t slice_a,
+                         const ByteSource& data_b, const DicomFile& b, std::size_t slice_b) {
+  const auto tiles_a = static_cast<std::size_t>(a.tiles.count);
+  const auto tiles_b = static_cast<std::size_t>(b.tiles.count);
+  return a.transfer_syntax == b.transfer_syntax && slice_a % tiles_a == slice_b % tiles_b &&
+         stored_bytes(data_a, a, slice_a / tiles_a) == stored_bytes(data_b, b, slice_b / tiles_b);
 }
 
 }  // namespace ovoid::io

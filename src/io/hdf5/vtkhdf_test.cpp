@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -357,6 +358,20 @@ TEST_F(VtkHdf, PlaneImagesAndTurnedOnes) {
   EXPECT_EQ(dataset.lattice.dims, (Index3{3, 2, 1}));
   EXPECT_EQ(dataset.lattice.world_from_index.linear().col(0), Vec3(0, -1, 0));
   EXPECT_EQ(dataset.lattice.world_from_index.linear().col(1), Vec3(2, 0, 0));
+}
+
+TEST_F(VtkHdf, WhatGhostsOfAnImageHideIsMissing) {
+  VtkHdfMaker(path, "ImageData")
+      .image("", {0, 2, 0, 1, 0, 0})
+      .reals("PointData/f", counting<double>(6), {1, 2, 3})
+      .ints("PointData/vtkGhostType", {2, 0, 0, 1, 0, 0}, {1, 2, 3})
+      .close();
+  const Dataset dataset = read();
+  ASSERT_EQ(dataset.arrays.size(), 1U);
+  const Reals values = values_of<double>(dataset.array("f"));
+  EXPECT_TRUE(std::isnan(values[0]));
+  EXPECT_EQ(Reals(values.begin() + 1, values.end()), (Reals{2, 3, 4, 5, 6}));
+  EXPECT_THAT(dataset.notes, Contains(HasSubstr("1 samples and 0 cells are hidden")));
 }
 
 // 2 x 1 x 1 cells, of which a finer level covers the second by 2 x 2 x 2 in two boxes.

@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostSlices = 100'000;
-constexpr std::int64_t kPictureMagic = 16;  // bytes that tell a picture
+constexpr std::int64_t kPictureMagic = kDicomStart;  // bytes that tell a picture
 
 SliceReader reader_of(const ByteSource& source) {
   const std::string format = picture_format_of(source.text(0, kPictureMagic));

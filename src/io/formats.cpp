@@ -91,7 +91,7 @@ bool begins_like_vdb(std::string_view start) {
 }
 
 bool begins_like_dump(std::string_view start) {
-  return start.starts_with("ITEM: TIMESTEP") || start.starts_with("ITEM: UNITS");
+  return start.starts_with("ITEM: TIME") || start.starts_with("ITEM: UNITS");
 }
 
 void write_npy_of(const Dataset& dataset, const DataArray& array, const std::string& path,

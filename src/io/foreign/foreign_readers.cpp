@@ -13,10 +13,12 @@
 #include "io/foreign/hdf5_grid.h"
 #include "io/foreign/hdf5_lattice.h"
 #include "io/foreign/hdf5_points.h"
+#include "io/foreign/hdf5_snapshot.h"
 #include "io/foreign/hdf5_xdmf.h"
 #include "io/foreign/mesh_readers.h"
 #include "io/foreign/vtk_sets.h"
 #include "io/foreign/vtk_surface.h"
+#include "io/step_files.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -43,6 +45,19 @@ Dataset read_hdf5(const ByteSource& source, const ReadOptions& options) {
     if (auto grid = read_hdf5_grid(source, options)) return std::move(*grid);
   return read_hdf5_points(source, options);
 }
+
+// One file, or several of which each, or some together, are a step.
+Dataset read_hdf5_files(const std::vector<std::string>& paths, const ReadOptions& options) {
+  const std::vector<Snapshot> snapshots = sort_snapshots(paths);
+  const auto read = [&](std::int64_t step, const ReadOptions& own) {
+    const Snapshot& snapshot = snapshots[static_cast<std::size_t>(step)];
+    return snapshot.header ? read_snapshot(snapshot, own)
+                           : read_hdf5(*open_file(snapshot.source), own);
+  };
+  if (paths.size() == 1) return read(0, options);
+  return read_one_step(fmt::format("{} and {} more", paths[0], paths.size() - 1),
+                       static_cast<std::int64_t>(snapshots.size()), options, read);
+}
 #endif
 
 const std::vector<ForeignReader>& foreign_readers() {
@@ -57,7 +72,6 @@ const std::vector<ForeignReader>& foreign_readers() {
       {"PLY surfaces", nullptr, read_ply_faces},
 #endif
 #ifdef OVOID_IO_HDF5
-      {"HDF5", nullptr, read_hdf5},
       {"XDMF", nullptr, read_xdmf_with_hdf5},
 #endif
   };
@@ -73,6 +87,9 @@ Dataset read_here(const ReaderRequest& request) {
     use_gdcm();
     return read_dicom(request.source, request.paths, request.options);
   }
+#ifdef OVOID_IO_HDF5
+  if (request.format == "HDF5") return read_hdf5_files(request.paths, request.options);
+#endif
   for (const ForeignReader& reader : foreign_readers()) {
     if (reader.format != request.format) continue;
     const std::unique_ptr<ByteSource> source = open_file(request.paths.front());

@@ -181,8 +181,10 @@ const Table<ModelFlags>& particle_settings() {
        "parts of vectors; else attribute)",
        kOfParticles},
       {"--radius-array", word("NAME"), at(&M::kernels, &K::radius_array),
-       "smoothing lengths h; kernels end at 2 h (default: one called like one, else from "
-       "neighbours)",
+       "smoothing lengths h (default: one called like one, else from neighbours)", kOfParticles},
+      {"--smoothing-ends", number("N", kPositive), at(&M::kernels, &K::smoothing_reach),
+       "kernels end at N smoothing lengths of the array (default: as the code that wrote the file "
+       "has it, where that is known, else 2)",
        kOfParticles},
       {"--mass-array", word("NAME"), at(&M::kernels, &K::mass_array),
        "their masses (default: one called like one, else --mass)", kOfParticles},

@@ -21,7 +21,7 @@ void check_format_flags(const DataFlags& data, const Dataset& dataset) {
   const char* const given = !data.positions.empty() ? "--positions"
                             : !data.values.empty()  ? "--value"
                                                     : nullptr;
-  if (given == nullptr || dataset.format == "HDF5") return;
+  if (given == nullptr || dataset.format.starts_with("HDF5")) return;
   throw Error(ErrorCode::kInvalidArgument, fmt::format("{}: is for HDF5 files, '{}' is {}", given,
                                                        dataset.source, dataset.format));
 }

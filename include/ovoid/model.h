@@ -91,9 +91,12 @@ struct KernelModelOptions {
   // Whether the field is mass per volume, of `mass_array`, and not an attribute. None: as
   // draws_density() finds best.
   std::optional<bool> is_density{};
-  // Smoothing lengths h, support 2 h; empty: one that is called like one (h, hsml,
-  // SmoothingLength, smoothing_length), else from neighbours.
+  // Smoothing lengths h; empty: one that is called like one (h, hsml, SmoothingLength,
+  // smoothing_length), else from neighbours.
   std::string radius_array{};
+  // Kernels end at so many h of that array, > 0; none: as the code that the dataset's format names
+  // has it, else 2.
+  std::optional<double> smoothing_reach{};
   std::string mass_array{};  // empty: one that is called like one (m, mass, Masses), else `mass`
   std::optional<double> mass{};  // of every particle; none: 1
   int neighbors = 32;            // particles within 2 h where h comes from neighbours, 4 to 512

@@ -11,11 +11,34 @@
 namespace ovoid::data {
 namespace {
 
-// What numbers and sorts particles, as programs call it, in small letters.
-constexpr std::array<std::string_view, 18> kParticleNumbers{
-    "id",   "ids",   "particleid",   "particleids",    "particle_id", "particle_ids",
-    "pid",  "index", "indices",      "atom_id",        "tag",         "itype",
-    "type", "mol",   "globalnodeid", "particle_index", "element",     "particletype"};
+// What numbers and sorts particles, nodes and cells, as programs call it: in small letters, without
+// blanks, '_' and '-'.
+constexpr std::array kParticleNumbers = std::to_array<std::string_view>({"id",
+                                                                         "ids",
+                                                                         "particleid",
+                                                                         "particleids",
+                                                                         "progenitorparticleids",
+                                                                         "pid",
+                                                                         "index",
+                                                                         "indices",
+                                                                         "atomid",
+                                                                         "tag",
+                                                                         "itype",
+                                                                         "type",
+                                                                         "mol",
+                                                                         "fofgroupids",
+                                                                         "globalnodeid",
+                                                                         "particleindex",
+                                                                         "element",
+                                                                         "particletype",
+                                                                         "nodenumber",
+                                                                         "nodeid",
+                                                                         "cellnumber",
+                                                                         "cellid",
+                                                                         "elementnumber",
+                                                                         "elementid",
+                                                                         "pointid",
+                                                                         "rowid"});
 
 // Their places once more, in LAMMPS's words: scaled, unwrapped, both.
 constexpr std::array<std::string_view, 9> kParticlePlaces{"xs", "ys",  "zs",  "xu", "yu",
@@ -24,17 +47,26 @@ constexpr std::array<std::string_view, 9> kParticlePlaces{"xs", "ys",  "zs",  "x
 // The shapes of stored kernels.
 constexpr std::array<std::string_view, 3> kKernelShapes{"scale", "rotation", "weight"};
 
+std::string lower(std::string name) {
+  for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return name;
+}
+
 bool has_name(std::span<const std::string_view> names, const std::string& name) {
-  std::string lower = name;
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return std::find(names.begin(), names.end(), lower) != names.end();
+  return std::find(names.begin(), names.end(), lower(name)) != names.end();
+}
+
+bool numbers_particles(const std::string& name) {
+  std::string word = lower(name);
+  std::erase_if(word, [](char c) { return c == ' ' || c == '_' || c == '-'; });
+  return has_name(kParticleNumbers, word);
 }
 
 }  // namespace
 
 bool is_bookkeeping(const Dataset& dataset, const DataArray& array) {
   return is_bookkeeping(array) ||
-         (dataset.kind != DatasetKind::kLattice && has_name(kParticleNumbers, array.name)) ||
+         (dataset.kind != DatasetKind::kLattice && numbers_particles(array.name)) ||
          (dataset.kind == DatasetKind::kParticles && has_name(kParticlePlaces, array.name)) ||
          (dataset.kind == DatasetKind::kKernels && has_name(kKernelShapes, array.name));
 }
@@ -73,7 +105,8 @@ bool is_part_of_vector(const Dataset& dataset, const DataArray& array) {
 }
 
 bool is_density(const DataArray& array) {
-  constexpr std::array<std::string_view, 3> kDensities{"density", "rho", "mass_density"};
+  constexpr std::array<std::string_view, 4> kDensities{"density", "densities", "rho",
+                                                       "mass_density"};
   return array.num_components == 1 && has_name(kDensities, array.name);
 }
 

@@ -35,6 +35,7 @@
 #include "io/points/ply.h"
 #include "io/points/ply_header.h"
 #include "io/points/point_text.h"
+#include "io/points/snapshot_names.h"
 #include "io/reader/reader_session.h"
 #include "io/step_times.h"
 #include "io/vtk/file_series.h"
@@ -93,7 +94,7 @@ bool begins_like_vdb(std::string_view start) {
 }
 
 bool begins_like_dump(std::string_view start) {
-  return start.starts_with("ITEM: TIMESTEP") || start.starts_with("ITEM: UNITS");
+  return start.starts_with("ITEM: TIME") || start.starts_with("ITEM: UNITS");
 }
 
 void write_npy_of(const Dataset& dataset, const DataArray& array, const std::string& path,
@@ -288,8 +289,10 @@ std::vector<Format> points() {
            .endings = {".h5", ".hdf5", ".ims", ".athdf"},
            .begins = is_hdf5,
            .library = "HDF5",
+           .sorts_inputs = true,
            .says_spacing = false,  // grids of others say none
            .says_axes = false,     // nor these
+           .companions = snapshot_siblings,
            .writers = {{.endings = {".h5"},
                         .kinds = {kLattice},
                         .write = write_lattice_file,
@@ -494,6 +497,7 @@ Dataset read_as(const Format& format, const ByteSource& source, const ReadOption
                             format.library, format.name));
   }
   std::vector<std::string> paths{source.name()};
+  if (format.sorts_inputs && are_sorted_by_reader(steps)) paths = steps;
   if (format.shares_lattice) paths.insert(paths.end(), steps.begin(), steps.end());
   Dataset dataset = read_foreign(format.name, source.name(), paths, options);
   if (!options.raw.axis_order.empty() && dataset.format != kHdf5Grid)
@@ -505,6 +509,13 @@ Dataset read_as(const Format& format, const ByteSource& source, const ReadOption
     check_geometry("spacing", dataset.lattice.world_from_index);
   }
   return dataset;
+}
+
+bool are_sorted_by_reader(const std::vector<std::string>& paths) {
+  return !paths.empty() && std::all_of(paths.begin(), paths.end(), [](const std::string& path) {
+    const Format* const format = format_by_content(*open_file(path));
+    return format != nullptr && format->sorts_inputs;
+  });
 }
 
 bool is_one_of(const std::vector<std::string_view>& endings, const std::string& ending) {

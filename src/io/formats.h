@@ -54,6 +54,9 @@ struct Format {
   // A lattice is where something is, and of a series where something is at any time: the reader in
   // ovoid-read is told all files.
   bool shares_lattice = false;
+  // Several inputs may be parts of one step: the reader in ovoid-read is told all files, and sorts
+  // them.
+  bool sorts_inputs = false;
   bool says_layout = true;   // the flags of raw files contradict it,
   bool says_spacing = true;  // --spacing too
   bool says_axes = true;     // and --axis-order
@@ -90,6 +93,9 @@ const Format* format_of(const ByteSource& source, const RawOptions& raw);
 // one of, or none. Throws Error.
 Dataset read_as(const Format& format, const ByteSource& source, const ReadOptions& options,
                 const Opener& open, const std::vector<std::string>& steps = {});
+
+// Are all files of one format whose reader sorts its inputs?
+bool are_sorted_by_reader(const std::vector<std::string>& paths);
 
 // Throws the Error that tells what a file without a format may be, and what is read.
 [[noreturn]] void refuse_unknown(const ByteSource& source);

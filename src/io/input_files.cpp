@@ -11,9 +11,11 @@
 #include <system_error>
 #include <utility>
 
+#include "io/core/signatures.h"
 #include "io/dicom/dicom.h"
 #include "io/formats.h"
 #include "io/images/slices.h"
+#include "io/points/snapshot_names.h"
 #include "io/vtk/vtk_set_files.h"
 #include "io/zarr/zarr.h"
 #include "ovoid/error.h"
@@ -144,16 +146,27 @@ std::vector<std::string> files_of_input(const std::string& path, const NameCheck
   return files;
 }
 
+// Does the input list the files of its snapshot, of which each would list the same?
+bool are_siblings_listed(const std::string& input) {
+  std::error_code ignored;
+  return snapshot_part(input) && fs::is_regular_file(input, ignored) &&
+         is_hdf5(open_file(input)->text(0, 8));
+}
+
 }  // namespace
 
 std::vector<std::string> files_that_may_be_read(const std::vector<std::string>& inputs,
                                                 const ReadOptions& options) {
   std::vector<std::string> files;
+  std::set<std::string> known;  // parts of snapshots are each other's companions: listed once
   for (const std::string& input : inputs) {
+    if (!known.insert(input).second) continue;
     const AllowedPlaces places(input, options);
+    const bool lists_siblings = are_siblings_listed(input);
     const bool is_named = !is_folder(input);  // what lies in a folder, the user named with it
     const auto check = [&](const std::string& file) { places.check(file); };
     for (const std::string& file : files_of_input(input, check)) {
+      if (lists_siblings) known.insert(file);
       std::string real = is_named ? places.check(file) : real_path(file).string();
       if (!real.empty()) files.push_back(std::move(real));
     }

@@ -50,8 +50,9 @@ std::optional<double> time_of_vtk_xml(const ByteSource& source) {
 std::optional<double> time_of_dump(const ByteSource& source) {
   std::string start = stream_start(source, 512);
   unify_line_ends(start);
-  constexpr std::string_view kItem = "ITEM: TIMESTEP";
-  const auto begin = start.find(kItem);
+  // In the simulation's units, else the number of the step.
+  auto begin = start.find("ITEM: TIME\n");
+  if (begin == std::string::npos) begin = start.find("ITEM: TIMESTEP");
   if (begin == std::string::npos) return std::nullopt;
   const auto line = start.find('\n', begin);
   const auto end = line == std::string::npos ? line : start.find('\n', line + 1);

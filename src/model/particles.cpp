@@ -10,6 +10,7 @@
 
 #include "data/bookkeeping.h"
 #include "data/parallel.h"
+#include "data/smoothing_codes.h"
 #include "model/ellipsoid_set.h"
 #include "model/ellipsoid_shape.h"
 #include "model/heaps.h"
@@ -36,7 +37,8 @@ struct ParticleRoles {
   const DataArray* density = nullptr;
 };
 
-// The array with one of the names, in their order; what is before the last '/' does not count.
+// The array with one of the names, in their order; what is before the last '/' does not count. "h"
+// and "m" are small letters: "H" is hydrogen.
 const DataArray* find_called(const Dataset& dataset, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     for (const DataArray& array : dataset.arrays) {
@@ -58,15 +60,16 @@ ParticleRoles find_roles(const ModelRun& run) {
   const KernelModelOptions& options = run.options;
   ParticleRoles roles;
   roles.is_density = draws_density(dataset, options);
-  roles.radius = !options.radius_array.empty()
-                     ? &dataset.array(options.radius_array)
-                     : find_called(dataset, {"h", "hsml", "Hsml", "SmoothingLength",
-                                             "smoothing_length", "radii"});
+  roles.radius =
+      !options.radius_array.empty()
+          ? &dataset.array(options.radius_array)
+          : find_called(dataset, {"h", "hsml", "Hsml", "SmoothingLength", "SmoothingLengths",
+                                  "smoothing_length", "smoothing_lengths", "radii"});
   if (!options.mass) {
     roles.mass =
         !options.mass_array.empty() ? &dataset.array(options.mass_array) : find_mass(dataset);
   }
-  roles.density = find_called(dataset, {"rho", "density", "Density"});
+  roles.density = find_called(dataset, {"rho", "density", "Density", "Densities"});
   return roles;
 }
 
@@ -241,6 +244,11 @@ Mat3 drawn_out(const float* covariance, double sigma) {
   return factor * (sigma / std::cbrt(factor.determinant()));
 }
 
+// Where kernels end, in the lengths that the radii are.
+double smoothing_reach(const ModelRun& run) {
+  return run.options.smoothing_reach.value_or(data::smoothing_reach(run.dataset.format));
+}
+
 // Smoothing lengths into sigmas or factors. Returns the sites that have so many at their own place
 // that their neighbours tell no length: their shapes follow from the place alone.
 std::vector<std::uint32_t> make_shapes(const ModelRun& run, const ParticleSites& sites,
@@ -250,6 +258,8 @@ std::vector<std::uint32_t> make_shapes(const ModelRun& run, const ParticleSites&
   parts.profile = options.profile;
   parts.cutoff = options.cutoff.value_or(kParticleCutoff);
   const bool has_radii = roles.radius != nullptr;
+  // The array's lengths, in those that kernels end at twice of.
+  const double per_radius = has_radii ? smoothing_reach(run) / 2 : 1;
   NearestStatistics nearest;
   if (run.team != nullptr && !has_radii) {
     nearest.lengths = team_lengths(run, sites.centers, sites.num_all, sites.periodic_box);
@@ -267,7 +277,7 @@ std::vector<std::uint32_t> make_shapes(const ModelRun& run, const ParticleSites&
   } else {
     nearest.lengths.resize(sites.count());
     for (std::size_t i = 0; i < sites.count(); ++i)
-      nearest.lengths[i] = columns.radius[sites.sources[i]];
+      nearest.lengths[i] = static_cast<float>(per_radius * columns.radius[sites.sources[i]]);
   }
   // A Gaussian's sigma is h / 2 wherever it is cut; the others end at 2 h.
   const double per_length = options.profile == KernelProfile::kGaussian ? 0.5 : 2 / parts.cutoff;

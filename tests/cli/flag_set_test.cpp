@@ -295,7 +295,7 @@ const std::vector<Words>& samples() {
       {"--kernel", "catmull-rom"},
       {"--relevant-above", "1"},
       {"--neighborhood", "edges", "--radius-array", "r", "--neighbors", "8", "--anisotropic"},
-      {"--quantity", "density", "--profile-kernel", "gaussian"},
+      {"--quantity", "density", "--profile-kernel", "gaussian", "--smoothing-ends", "1"},
       {"--mass", "1"},
       {"--mass-array", "m"},
       {"--sampling-distance", "1", "--slab", "mid", "--gradient", "exact"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lines of numbers: fields between commas, semicolons, tabs or blanks.
+// Lines of numbers: fields between commas, semicolons, tabs, bars or blanks.
 #pragma once
 
 #include <charconv>
@@ -12,25 +12,36 @@
 namespace ovoid::io {
 
 // What stands between two fields. kBlanks: any number of blanks and tabs.
-enum class Separator : char { kComma = ',', kSemicolon = ';', kTab = '\t', kBlanks = ' ' };
+enum class Separator : char {
+  kComma = ',',
+  kSemicolon = ';',
+  kTab = '\t',
+  kBar = '|',
+  kBlanks = ' '
+};
 
-// A double as text in any of the ways that programs write it: a plus sign, Fortran's exponent D,
-// quotes, blanks around it; NaN for the words and the emptiness that stand for a missing one, for
-// infinity, and for what is beyond a double's range. Nothing if it is no number.
-std::optional<double> parse_field(std::string_view text);
+// What stands before a number's decimals.
+enum class DecimalMark : char { kPoint = '.', kComma = ',' };
+
+// A double as text in any of the ways that programs write it: a plus sign, Fortran's exponent D or
+// none of its letters ("1.5-103"), quotes, blanks around it; NaN for the words and the emptiness
+// that stand for a missing one (spreadsheets' errors among them), for infinity, and for what is
+// beyond a double's range. Nothing if it is no number: with decimal commas, one with a point is
+// none.
+std::optional<double> parse_field(std::string_view text, DecimalMark mark = DecimalMark::kPoint);
+
+// Does the text look like a number whose thousands are set apart: 1,234 or 1.234.567,8?
+bool has_thousands_marks(std::string_view text);
 
 // The fields of a line, blanks and quotes around them taken off. A separator within quotes is none,
-// nor is one behind the last field.
+// nor is one behind the last field. A quote within quotes stays doubled.
 std::vector<std::string_view> split_fields(std::string_view line, Separator separator);
-
-// The separator under which at least three fields of the line are numbers; empty if none does.
-std::optional<Separator> separator_of(std::string_view line);
 
 // Walks the fields of a line of numbers.
 class FieldReader {
  public:
-  FieldReader(std::string_view line, Separator separator)
-      : at_(line.data()), end_(line.data() + line.size()), separator_(separator) {}
+  FieldReader(std::string_view line, Separator separator, DecimalMark mark = DecimalMark::kPoint)
+      : at_(line.data()), end_(line.data() + line.size()), separator_(separator), mark_(mark) {}
 
   // Passes the next field; false if there is none, or it is no number: then text() is what it is.
   bool number(double& value) {
@@ -38,6 +49,7 @@ class FieldReader {
       text_ = {};
       return false;
     }
+    if (mark_ == DecimalMark::kComma) return unusual_number(value);
     const auto [stop, error] = std::from_chars(at_, end_, value);
     // The common case: digits, and the separator behind them.
     if (error == std::errc{} && is_finite(value) && (stop == end_ || is_end(*stop))) {
@@ -83,6 +95,7 @@ class FieldReader {
   const char* at_;
   const char* end_;
   Separator separator_;
+  DecimalMark mark_;
   bool is_open_ = false;  // a separator was passed, so another field follows, if only an empty one
   std::string_view text_;
 };

@@ -151,7 +151,7 @@ TEST(UnpackedSamples, OfPackedPagesAndTheirChannels) {
   expect_the_same_from_a_file({folder.write("c.tif", tiff_file(channels, pages))});
 }
 
-TEST(UnpackedSamples, OfDicomSlicesAndThoseThatAreMissing) {
+TEST(UnpackedSamples, OfDicomSlicesAndPlanesBetweenThem) {
   const TestFolder folder;
   const auto write = [&](int number, const std::string& slope) {
     TestSlice slice;
@@ -168,11 +168,7 @@ TEST(UnpackedSamples, OfDicomSlicesAndThoseThatAreMissing) {
   expect_the_same_from_a_file({folder.file("")});
   std::filesystem::remove(folder.file("3.dcm"));
   for (const int number : {5, 6, 7}) write(number, "2");
-  const Dataset dataset = read_dataset({folder.file("")}, without_memory());
-  LatticeModelReport report;
-  const LatticeField field = make_lattice_field(dataset, {}, &report);
-  EXPECT_EQ(field.geometry().dims[2], 7);
-  EXPECT_TRUE(field.source().has_missing(0, 0, 0));
+  EXPECT_EQ(read_dataset({folder.file("")}, without_memory()).lattice.dims[2], 7);
   expect_the_same_from_a_file({folder.file("")});
 }
 

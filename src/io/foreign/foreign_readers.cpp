@@ -12,11 +12,13 @@
 #include "io/foreign/gdcm_codec.h"
 #include "io/foreign/hdf5_lattice.h"
 #include "io/foreign/hdf5_points.h"
+#include "io/foreign/hdf5_snapshot.h"
 #include "io/foreign/hdf5_xdmf.h"
 #include "io/foreign/mesh_readers.h"
 #include "io/foreign/vtk_sets.h"
 #include "io/foreign/vtk_surface.h"
 #include "io/foreign/vtkhdf.h"
+#include "io/step_files.h"
 #include "ovoid/error.h"
 #ifdef OVOID_IO_HDF5
 #include "io/foreign/hdf5_dialects.h"
@@ -57,6 +59,19 @@ Dataset read_hdf5(const ByteSource& source, const ReadOptions& options) {
   if (has_points) return read_hdf5_points(source, options);
   refuse_hdf5(file, options);
 }
+
+// One file, or several of which each, or some together, are a step.
+Dataset read_hdf5_files(const std::vector<std::string>& paths, const ReadOptions& options) {
+  const std::vector<Snapshot> snapshots = sort_snapshots(paths);
+  const auto read = [&](std::int64_t step, const ReadOptions& own) {
+    const Snapshot& snapshot = snapshots[static_cast<std::size_t>(step)];
+    return snapshot.header ? read_snapshot(snapshot, own)
+                           : read_hdf5(*open_file(snapshot.source), own);
+  };
+  if (paths.size() == 1) return read(0, options);
+  return read_one_step(fmt::format("{} and {} more", paths[0], paths.size() - 1),
+                       static_cast<std::int64_t>(snapshots.size()), options, read);
+}
 #endif
 
 const std::vector<ForeignReader>& foreign_readers() {
@@ -70,7 +85,6 @@ const std::vector<ForeignReader>& foreign_readers() {
       {"PLY surfaces", nullptr, read_ply_faces},
 #endif
 #ifdef OVOID_IO_HDF5
-      {"HDF5", nullptr, read_hdf5},
       {"VTKHDF", check_hdf5_size, read_vtk_hdf},
       {"XDMF", nullptr, read_xdmf_with_hdf5},
 #endif
@@ -87,6 +101,9 @@ Dataset read_here(const ReaderRequest& request) {
     use_gdcm();
     return read_dicom(request.source, request.paths, request.options);
   }
+#ifdef OVOID_IO_HDF5
+  if (request.format == "HDF5") return read_hdf5_files(request.paths, request.options);
+#endif
   for (const ForeignReader& reader : foreign_readers()) {
     if (reader.format != request.format) continue;
     const std::unique_ptr<ByteSource> source = open_file(request.paths.front());

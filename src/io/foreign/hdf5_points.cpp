@@ -24,141 +24,14 @@
 #include "io/core/samples.h"
 #include "io/core/text_scanner.h"
 #include "io/foreign/hdf5_file.h"
-#include "io/points/point_columns.h"
+#include "io/foreign/hdf5_positions.h"
+#include "io/foreign/hdf5_simulation.h"
 #endif
 
 namespace ovoid::io {
 
 #ifdef OVOID_IO_HDF5
 namespace {
-
-// Where positions lie: one dataset, or one per axis.
-struct Hdf5Positions {
-  std::vector<const Hdf5Dataset*> datasets;
-  bool is_transposed = false;  // [3, n]
-  std::int64_t count = 0;
-
-  const std::string& group() const { return datasets[0]->group; }
-  const std::string& path() const { return datasets[0]->path; }
-};
-
-std::optional<Hdf5Positions> positions_in(const Hdf5Dataset& dataset) {
-  const auto& dims = dataset.dims;
-  if (!dataset.type || dims.size() != 2 || dims[0] < 1 || dims[1] < 1) return std::nullopt;
-  if (dims[1] == 3) return Hdf5Positions{{&dataset}, false, dims[0]};
-  if (dims[0] == 3) return Hdf5Positions{{&dataset}, true, dims[1]};
-  return std::nullopt;
-}
-
-// "particle_position_x" as "particle_position_", "x" as "".
-std::optional<std::string> base_of_x(std::string_view name) {
-  static constexpr std::array<std::string_view, 8> kBases{
-      "", "pos", "pos_", "position_", "particle_position_", "coord_", "coordinates_", "points_"};
-  std::string base = lower(name);
-  if (!base.ends_with('x')) return std::nullopt;
-  base.pop_back();
-  if (std::find(kBases.begin(), kBases.end(), base) == kBases.end()) return std::nullopt;
-  return base;
-}
-
-// The positions of which `x` is the first of three datasets.
-std::optional<Hdf5Positions> triple_from(const Hdf5File& file, const Hdf5Dataset& x) {
-  const auto base = base_of_x(x.name);
-  if (!base || x.dims.size() != 1 || !x.type || x.dims[0] < 1) return std::nullopt;
-  Hdf5Positions positions{{&x}, false, x.dims[0]};
-  for (const char axis : {'y', 'z'}) {
-    for (const Hdf5Dataset& other : file.datasets()) {
-      if (other.group == x.group && lower(other.name) == *base + axis && other.dims == x.dims &&
-          other.type)
-        positions.datasets.push_back(&other);
-    }
-  }
-  return positions.datasets.size() == 3 ? std::optional(positions) : std::nullopt;
-}
-
-// "/PartType4" is 4; -1 for another group.
-int gadget_type(std::string_view group) {
-  constexpr std::string_view kName = "PartType";
-  const auto at = group.rfind('/') + 1;
-  group.remove_prefix(at);
-  if (!group.starts_with(kName) || group.size() != kName.size() + 1) return -1;
-  const char digit = group.back();
-  return digit >= '0' && digit <= '9' ? digit - '0' : -1;
-}
-
-std::string absolute(const std::string& path) { return path.starts_with('/') ? path : "/" + path; }
-
-Hdf5Positions asked_positions(const Hdf5File& file, const std::string& source,
-                              const std::string& asked) {
-  for (const Hdf5Dataset& dataset : file.datasets()) {
-    if (dataset.path != absolute(asked)) continue;
-    if (const auto found = positions_in(dataset)) return *found;
-    if (const auto found = triple_from(file, dataset)) return *found;
-    throw Error(
-        ErrorCode::kInvalidArgument,
-        fmt::format("{}: positions '{}': has shape [{}]{}: expected numbers [N, 3], [3, N], "
-                    "or the first of three datasets x, y, z",
-                    source, asked, fmt::join(dataset.dims, ", "),
-                    dataset.type ? "" : " and holds no numbers"));
-  }
-  throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("{}: positions '{}': the file has no such dataset", source, asked));
-}
-
-[[noreturn]] void fail_candidates(const std::string& source,
-                                  const std::vector<Hdf5Positions>& candidates) {
-  constexpr std::size_t kListed = 8;
-  std::string paths;
-  for (std::size_t i = 0; i < std::min(kListed, candidates.size()); ++i)
-    paths += fmt::format("{}'{}'", i == 0 ? "" : ", ", candidates[i].path());
-  if (candidates.size() > kListed)
-    paths += fmt::format(" and {} more", candidates.size() - kListed);
-  throw Error(
-      ErrorCode::kFileFormat,
-      candidates.empty()
-          ? fmt::format("{}: no dataset [N, 3] is called Coordinates, positions, xyz or the "
-                        "like, and none has three axes (z, y, x): expected the path of positions "
-                        "with --positions",
-                        source)
-          : fmt::format("{}: several datasets may be the positions: {}: choose one with "
-                        "--positions",
-                        source, paths));
-}
-
-std::vector<Hdf5Positions> candidates_in(const Hdf5File& file) {
-  std::vector<Hdf5Positions> candidates;
-  for (const Hdf5Dataset& dataset : file.datasets()) {
-    const auto found = is_position_name(dataset.name) ? positions_in(dataset) : std::nullopt;
-    const auto triple = found ? std::nullopt : triple_from(file, dataset);
-    if (found) candidates.push_back(*found);
-    if (triple) candidates.push_back(*triple);
-  }
-  return candidates;
-}
-
-Hdf5Positions find_hdf5_positions(const Hdf5File& file, const std::string& source,
-                                  std::vector<std::string>& notes) {
-  const std::vector<Hdf5Positions> candidates = candidates_in(file);
-  if (candidates.size() == 1) return candidates[0];
-  // Gadget's types: gas, then halo, then stars, then the rest.
-  const auto rank = [](const Hdf5Positions& positions) {
-    static constexpr std::array<int, 10> kRanks{0, 1, 3, 4, 2, 5, 6, 7, 8, 9};
-    const int type = gadget_type(positions.group());
-    return type < 0 ? -1 : kRanks[static_cast<std::size_t>(type)];
-  };
-  const bool is_gadget =
-      !candidates.empty() && std::all_of(candidates.begin(), candidates.end(),
-                                         [&](const Hdf5Positions& p) { return rank(p) >= 0; });
-  if (!is_gadget) fail_candidates(source, candidates);
-  const auto chosen = std::min_element(
-      candidates.begin(), candidates.end(),
-      [&](const Hdf5Positions& a, const Hdf5Positions& b) { return rank(a) < rank(b); });
-  notes.push_back(
-      fmt::format("{}: of {} kinds of particles '{}' is read; choose with "
-                  "--positions",
-                  source, candidates.size(), chosen->group()));
-  return *chosen;
-}
 
 // The box from 0 to its edges that Gadget's header tells; nothing if it tells none.
 std::optional<Bounds3> gadget_box(const Hdf5File& file) {
@@ -187,11 +60,11 @@ bool are_within(const Bounds3& box, const DataArray& points, std::size_t axis) {
 class Hdf5Reader {
  public:
   Hdf5Reader(const Hdf5File& file, const ReadOptions& options, Hdf5Positions positions,
-             Dataset& dataset)
+             const Rows& rows, Dataset& dataset)
       : file_(file),
         options_(options),
         positions_(std::move(positions)),
-        rows_(rows_of_share(options.share, positions_.count)),
+        rows_(rows),
         dataset_(dataset) {}
 
   void run() {
@@ -211,7 +84,7 @@ class Hdf5Reader {
     if (box) add_periodic_box(*box, progress);
     add_masses();
     add_density();
-    set_share(dataset_, options_.share, positions_.count);
+    tell_simulation();
   }
 
  private:
@@ -246,7 +119,7 @@ class Hdf5Reader {
 
   const Hdf5Dataset& asked_value(const std::string& asked) const {
     const std::string group = positions_.group() == "/" ? "" : positions_.group();
-    for (const std::string& path : {fmt::format("{}/{}", group, asked), absolute(asked)}) {
+    for (const std::string& path : {fmt::format("{}/{}", group, asked), absolute_path(asked)}) {
       for (const Hdf5Dataset& dataset : file_.datasets()) {
         if (dataset.path != path) continue;
         if (has_rows(dataset)) return dataset;
@@ -355,6 +228,29 @@ class Hdf5Reader {
     });
   }
 
+  // What smoothing lengths mean, and what of cosmology is not in the numbers.
+  void tell_simulation() {
+    if (gadget_type(positions_.group()) < 0) return;
+    const std::string& source = dataset_.source;
+    if (const std::string factors = cosmology_text(source); !factors.empty()) {
+      dataset_.notes.push_back(
+          fmt::format("{}: a cosmological run: numbers are as the file has them, factors {} are "
+                      "not applied",
+                      source, factors));
+    }
+    const DataArray* const lengths =
+        find({"smoothinglength", "smoothinglengths", "smoothing_length", "hsml"});
+    if (lengths == nullptr) return;
+    const auto found = smoothing_code(source, positions_.group(), lengths->name);
+    if (!found) return;
+    dataset_.format = data::format_of_code(dataset_.format, found->code);
+    dataset_.notes.push_back(fmt::format(
+        "{}: '{}' are taken for those of {}{}: kernels end at {:.7g} of these lengths "
+        "(--smoothing-ends says otherwise)",
+        source, lengths->name, found->code.name,
+        found->is_sure ? "" : ", since the file names no kernel that is known", found->code.reach));
+  }
+
   static double value_at(const DataArray& array, std::int64_t i) {
     return data::visit_scalar(array.type, [&]<class T>(std::type_identity<T>) {
       return static_cast<double>(data::load_scalar<T>(array.bytes.view.data(), i));
@@ -381,6 +277,14 @@ class Hdf5Reader {
   Dataset& dataset_;
 };
 
+Dataset no_particles(const std::string& source) {
+  Dataset dataset;
+  dataset.source = source;
+  dataset.format = "HDF5";
+  dataset.kind = DatasetKind::kParticles;
+  return dataset;
+}
+
 }  // namespace
 
 bool has_hdf5_positions(const ByteSource& source) {
@@ -398,14 +302,37 @@ bool has_hdf5_positions(const ByteSource& source) {
 
 Dataset read_hdf5_points(const ByteSource& source, const ReadOptions& options) {
   const Hdf5File file(source.name());
-  Dataset dataset;
-  dataset.source = source.name();
-  dataset.format = "HDF5";
-  dataset.kind = DatasetKind::kParticles;
-  Hdf5Positions positions = options.hdf5.positions.empty()
-                                ? find_hdf5_positions(file, source.name(), dataset.notes)
-                                : asked_positions(file, source.name(), options.hdf5.positions);
-  Hdf5Reader(file, options, std::move(positions), dataset).run();
+  Dataset dataset = no_particles(source.name());
+  Hdf5Positions positions;
+  if (options.hdf5.positions.empty()) {
+    std::vector<Hdf5Positions> all = candidates_in(file);
+    std::vector<PositionsPlace> places;
+    for (const Hdf5Positions& one : all) places.push_back({one.path(), one.group()});
+    positions = std::move(all[choose_positions(source.name(), places, dataset.notes)]);
+  } else {
+    positions = asked_positions(file, source.name(), options.hdf5.positions);
+  }
+  const std::int64_t count = positions.count;
+  const Rows rows = rows_of_share(options.share, count);
+  Hdf5Reader(file, options, std::move(positions), rows, dataset).run();
+  set_share(dataset, options.share, count);
+  return dataset;
+}
+
+std::vector<Hdf5PointsPlace> hdf5_points_in(const std::string& path) {
+  const Hdf5File file(path);
+  std::vector<Hdf5PointsPlace> places;
+  for (const Hdf5Positions& one : candidates_in(file))
+    places.push_back({one.path(), one.group(), one.count});
+  return places;
+}
+
+Dataset read_hdf5_rows_of_points(const std::string& path, const ReadOptions& options,
+                                 const Rows& rows) {
+  const Hdf5File file(path);
+  Dataset dataset = no_particles(path);
+  Hdf5Reader(file, options, asked_positions(file, path, options.hdf5.positions), rows, dataset)
+      .run();
   return dataset;
 }
 

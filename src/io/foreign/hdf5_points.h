@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <string>
+#include <vector>
+
 #include "io/core/byte_source.h"
+#include "io/core/row_share.h"
 #include "ovoid/dataset.h"
 #include "ovoid/io.h"
 
@@ -17,5 +22,17 @@ bool has_hdf5_positions(const ByteSource& source);
 // have the file's types. Peak memory is that of the arrays' rows and a chunk. Calls into the
 // library are made one at a time. Throws Error; kUnsupported in a build without HDF5.
 Dataset read_hdf5_points(const ByteSource& source, const ReadOptions& options);
+
+// Where a file has something called like positions, and how many.
+struct Hdf5PointsPlace {
+  std::string path, group;
+  std::int64_t count = 0;
+};
+std::vector<Hdf5PointsPlace> hdf5_points_in(const std::string& path);
+
+// The rows of the file's particles at options.hdf5.positions, which must be there; options.share is
+// not looked at.
+Dataset read_hdf5_rows_of_points(const std::string& path, const ReadOptions& options,
+                                 const Rows& rows);
 
 }  // namespace ovoid::io

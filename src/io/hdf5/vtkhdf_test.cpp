@@ -70,6 +70,9 @@ class VtkHdfMaker {
   VtkHdfMaker& ints(const std::string& name, const Ints& values, std::vector<hsize_t> dims = {}) {
     return dataset(name, H5T_NATIVE_INT64, H5T_STD_I32BE, values, std::move(dims));
   }
+  VtkHdfMaker& bytes(const std::string& name, const Ints& values, std::vector<hsize_t> dims) {
+    return dataset(name, H5T_NATIVE_INT64, H5T_STD_U8LE, values, std::move(dims));
+  }
   VtkHdfMaker& reals(const std::string& name, const Reals& values, std::vector<hsize_t> dims = {}) {
     return dataset(name, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, values, std::move(dims));
   }
@@ -364,14 +367,14 @@ TEST_F(VtkHdf, WhatGhostsOfAnImageHideIsMissing) {
   VtkHdfMaker(path, "ImageData")
       .image("", {0, 2, 0, 1, 0, 0})
       .reals("PointData/f", counting<double>(6), {1, 2, 3})
-      .ints("PointData/vtkGhostType", {2, 0, 0, 1, 0, 0}, {1, 2, 3})
+      .bytes("PointData/vtkGhostType", {2, 0, 0, 1, 0, 0}, {1, 2, 3})
       .close();
   const Dataset dataset = read();
   ASSERT_EQ(dataset.arrays.size(), 1U);
   const Reals values = values_of<double>(dataset.array("f"));
   EXPECT_TRUE(std::isnan(values[0]));
   EXPECT_EQ(Reals(values.begin() + 1, values.end()), (Reals{2, 3, 4, 5, 6}));
-  EXPECT_THAT(dataset.notes, Contains(HasSubstr("1 samples and 0 cells are hidden")));
+  EXPECT_THAT(dataset.notes, Contains(HasSubstr("1 samples and 1 cells are hidden")));
 }
 
 // 2 x 1 x 1 cells, of which a finer level covers the second by 2 x 2 x 2 in two boxes.

@@ -29,10 +29,12 @@ namespace {
 constexpr std::size_t kMaxDumpColumns = 4096;
 
 struct DumpFrame {
-  double time = 0;
+  double step = 0;             // its number
+  std::optional<double> time;  // in the simulation's units
+  std::string units;           // their name: "metal"
   std::int64_t num_atoms = -1;
-  std::array<double, 3> lo{}, hi{};  // of the box
-  std::array<double, 3> tilt{};      // xy, xz, yz
+  Vec3 origin = Vec3::Zero();  // of the box
+  Mat3 edges = Mat3::Zero();   // columns: its edge vectors
   bool has_box = false;
   bool is_periodic = false;  // in all three directions
   std::vector<std::string> columns;
@@ -98,6 +100,18 @@ class DumpReader {
     throw Error(code, fmt::format("{}: {}", lines_.where(), what));
   }
 
+  [[noreturn]] void refuse_item(std::string_view line) const {
+    if (line.starts_with("ITEM: GRID") || line.starts_with("ITEM: NUMBER OF ENTRIES") ||
+        line.starts_with("ITEM: ENTRIES")) {
+      fail(fmt::format("'{}': is a dump of {}, which is not read: expected one of atoms",
+                       line.substr(0, 40),
+                       line.starts_with("ITEM: GRID") ? "grid cells" : "bonds or other entries"),
+           ErrorCode::kUnsupported);
+    }
+    fail(fmt::format("'{}': expected 'ITEM: TIMESTEP', 'NUMBER OF ATOMS', 'BOX BOUNDS' or 'ATOMS'",
+                     line.substr(0, 40)));
+  }
+
   std::string_view next_line() {
     std::string_view line;
     if (!lines_.next(line)) {
@@ -116,7 +130,11 @@ class DumpReader {
 
   void read_item(std::string_view line, DumpFrame& frame) {
     if (line.starts_with("ITEM: TIMESTEP")) {
+      frame.step = number(next_line());
+    } else if (line.starts_with("ITEM: TIME")) {
       frame.time = number(next_line());
+    } else if (line.starts_with("ITEM: UNITS")) {
+      frame.units = trimmed(next_line());
     } else if (line.starts_with("ITEM: NUMBER OF ATOMS")) {
       const std::string_view text = next_line();
       const auto parts = words(text);
@@ -126,42 +144,59 @@ class DumpReader {
       frame.num_atoms = *count;
     } else if (line.starts_with("ITEM: BOX BOUNDS")) {
       read_box(std::string(line.substr(16)), frame);
-    } else if (line.starts_with("ITEM: UNITS") || line.starts_with("ITEM: TIME")) {
-      next_line();
     } else {
-      fail(
-          fmt::format("'{}': expected 'ITEM: TIMESTEP', 'NUMBER OF ATOMS', 'BOX BOUNDS' or 'ATOMS'",
-                      line.substr(0, 40)));
+      refuse_item(line);
     }
   }
 
+  // A general box is given by its three edge vectors, the others by bounds and tilts.
   void read_box(const std::string& kinds, DumpFrame& frame) {
     const auto flags = words(kinds);
-    if (std::find(flags.begin(), flags.end(), "abc") != flags.end())
-      fail("a general triclinic box is not read", ErrorCode::kUnsupported);
-    const auto num_periodic = std::count(flags.begin(), flags.end(), "pp");
-    const bool is_tilted = std::find(flags.begin(), flags.end(), "xy") != flags.end();
-    for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto has = [&](std::string_view flag) {
+      return std::find(flags.begin(), flags.end(), flag) != flags.end();
+    };
+    const bool is_general = has("abc"), is_tilted = has("xy");
+    const std::size_t wanted = is_general ? 4 : is_tilted ? 3 : 2;
+    std::array<std::array<double, 4>, 3> rows{};
+    for (auto& row : rows) {
       const std::string_view line = next_line();
-      const auto bounds = words(line);
-      if (bounds.size() != (is_tilted ? 3U : 2U))
-        fail(fmt::format("'{}': expected {} numbers", line.substr(0, 60), is_tilted ? 3 : 2));
-      frame.lo[axis] = number(bounds[0]);
-      frame.hi[axis] = number(bounds[1]);
-      if (is_tilted) frame.tilt[axis] = number(bounds[2]);
+      const auto numbers = words(line);
+      if (numbers.size() != wanted)
+        fail(fmt::format("'{}': expected {} numbers", line.substr(0, 60), wanted));
+      for (std::size_t i = 0; i < wanted; ++i) row[i] = number(numbers[i]);
     }
-    // The bounds of a tilted box are those of the box around it.
-    const auto [xy, xz, yz] = frame.tilt;
-    frame.lo[0] -= std::min({0.0, xy, xz, xy + xz});
-    frame.hi[0] -= std::max({0.0, xy, xz, xy + xz});
-    frame.lo[1] -= std::min(0.0, yz);
-    frame.hi[1] -= std::max(0.0, yz);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (!(frame.hi[axis] >= frame.lo[axis]))
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto& row = rows[static_cast<std::size_t>(axis)];
+      if (!is_general) continue;
+      frame.edges.col(axis) = Vec3(row[0], row[1], row[2]);
+      frame.origin[axis] = row[3];
+    }
+    if (!is_general) set_bounds(rows, frame);
+    frame.has_box = true;
+    frame.is_periodic = std::count(flags.begin(), flags.end(), "pp") == 3;
+  }
+
+  // The bounds of a tilted box are those of the box around it.
+  void set_bounds(const std::array<std::array<double, 4>, 3>& rows, DumpFrame& frame) const {
+    Vec3 lo, hi;
+    for (int axis = 0; axis < 3; ++axis) {
+      lo[axis] = rows[static_cast<std::size_t>(axis)][0];
+      hi[axis] = rows[static_cast<std::size_t>(axis)][1];
+    }
+    const double xy = rows[0][2], xz = rows[1][2], yz = rows[2][2];
+    lo[0] -= std::min({0.0, xy, xz, xy + xz});
+    hi[0] -= std::max({0.0, xy, xz, xy + xz});
+    lo[1] -= std::min(0.0, yz);
+    hi[1] -= std::max(0.0, yz);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(hi[axis] >= lo[axis]))
         fail(fmt::format("the box is turned inside out along {}", "xyz"[axis]));
     }
-    frame.has_box = true;
-    frame.is_periodic = num_periodic == 3;
+    frame.origin = lo;
+    frame.edges = (hi - lo).asDiagonal();
+    frame.edges(0, 1) = xy;
+    frame.edges(0, 2) = xz;
+    frame.edges(1, 2) = yz;
   }
 
   void check(const DumpFrame& frame) const {
@@ -182,29 +217,23 @@ class DumpReader {
 // Brings scaled positions into the box, and says whether its faces are joined.
 void DumpReader::place(const DumpFrame& frame, const DumpPositions& positions, PointTable& table,
                        Dataset& dataset) {
-  const auto [xy, xz, yz] = frame.tilt;
-  const bool is_tilted = xy != 0 || xz != 0 || yz != 0;
   if (positions.is_scaled) {
     if (!frame.has_box) fail("scaled positions without 'ITEM: BOX BOUNDS'");
     double* const x = table.slot(positions.columns[0], 0).first;  // y and z follow it
     for (std::int64_t i = 0; i < table.num_rows(); ++i) {
-      double* const p = x + 3 * i;
-      const double s = p[0], t = p[1], u = p[2];
-      p[0] = frame.lo[0] + s * (frame.hi[0] - frame.lo[0]) + t * xy + u * xz;
-      p[1] = frame.lo[1] + t * (frame.hi[1] - frame.lo[1]) + u * yz;
-      p[2] = frame.lo[2] + u * (frame.hi[2] - frame.lo[2]);
+      Eigen::Map<Vec3> place(x + 3 * i);
+      place = (frame.origin + frame.edges * Vec3(place)).eval();
     }
   }
-  const bool has_volume =
-      frame.hi[0] > frame.lo[0] && frame.hi[1] > frame.lo[1] && frame.hi[2] > frame.lo[2];
-  if (!frame.is_periodic || positions.is_unwrapped || !has_volume) return;
+  const Vec3 sizes = frame.edges.diagonal();
+  const bool is_tilted = frame.edges != Mat3(sizes.asDiagonal());
+  if (!frame.is_periodic || positions.is_unwrapped) return;
   if (is_tilted) {
     notes_.push_back(
         fmt::format("{}: the box is tilted: its periodic faces are not joined", lines_.where()));
     return;
   }
-  dataset.periodic_box = Bounds3(Vec3(frame.lo[0], frame.lo[1], frame.lo[2]),
-                                 Vec3(frame.hi[0], frame.hi[1], frame.hi[2]));
+  if ((sizes.array() > 0).all()) dataset.periodic_box = Bounds3(frame.origin, frame.origin + sizes);
 }
 
 void DumpReader::read_atoms(const DumpFrame& frame, const std::optional<RowShare>& share,
@@ -257,6 +286,38 @@ bool step_varies(const Dataset& dataset, const ReadOptions& options) {
   return dataset.arrays.empty() || data::varies(dataset.array(options.array));
 }
 
+// The times of all frames as they were told.
+class DumpTimes {
+ public:
+  void add(const DumpFrame& frame) {
+    steps_.push_back(frame.step);
+    has_all_ = has_all_ && frame.time && (times_.empty() || *frame.time > times_.back());
+    if (has_all_) times_.push_back(*frame.time);
+    if (units_.empty()) units_ = frame.units;
+  }
+
+  // Times in the simulation's units where every frame tells a later one, else the numbers of steps.
+  void give(Dataset& dataset) {
+    dataset.times = has_all_ ? std::move(times_) : std::move(steps_);
+    if (!has_all_) return;
+    using Unit = std::pair<std::string_view, const char*>;
+    static constexpr std::array<Unit, 7> kUnits{{{"real", "fs"},
+                                                 {"metal", "ps"},
+                                                 {"si", "s"},
+                                                 {"cgs", "s"},
+                                                 {"electron", "fs"},
+                                                 {"micro", "us"},
+                                                 {"nano", "ns"}}};
+    for (const auto& [name, unit] : kUnits)
+      if (name == units_) dataset.time_unit = unit;
+  }
+
+ private:
+  std::vector<double> steps_, times_;
+  std::string units_;
+  bool has_all_ = true;
+};
+
 }  // namespace
 
 Dataset read_lammps_dump(const ByteSource& source, const ReadOptions& options) {
@@ -270,6 +331,7 @@ Dataset read_lammps_dump(const ByteSource& source, const ReadOptions& options) {
   std::vector<std::string> notes, step_notes;
   DumpReader reader(lines, step_notes);
   DumpFrame frame;
+  DumpTimes times;
   // Which step is the first that varies is seen in all of its atoms.
   const auto share = options.step ? options.share : std::nullopt;
   bool is_found = false, has_atoms = false;
@@ -297,13 +359,14 @@ Dataset read_lammps_dump(const ByteSource& source, const ReadOptions& options) {
         reader.skip_atoms(frame);
       }
       check_num_steps(source.name(), num_steps + 1);
-      dataset.times.push_back(frame.time);
+      times.add(frame);
     }
   } catch (const Error&) {
     // A simulation that is still running, or was stopped, leaves part of a frame.
     if (!reader.is_cut() || !has_atoms) throw;
     notes.push_back(fmt::format("{}: the last frame is cut short and left out", source.name()));
   }
+  times.give(dataset);
   dataset.num_steps = static_cast<std::int64_t>(dataset.times.size());
   if (options.step) check_step(source.name(), *options.step, dataset.num_steps);
   if (!has_atoms)

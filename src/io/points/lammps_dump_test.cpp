@@ -66,6 +66,58 @@ TEST(LammpsDump, ScaledAndUnwrappedPositions) {
                    .periodic_box.has_value());
 }
 
+// dump_modify time yes, units yes: the frame's first items.
+TEST(LammpsDump, TimesOfTheSimulation) {
+  const auto at = [](const std::string& time) { return "ITEM: TIME\n" + time + "\n"; };
+  const std::string atoms = "1 2 3\n4 5 6\n";
+  const std::string first = at("0") + frame(0, "x y z", atoms);
+  const Dataset dump =
+      read_dump("ITEM: UNITS\nmetal\n" + first + at("0.5") + frame(100, "z y x", atoms));
+  EXPECT_EQ(dump.num_steps, 2);
+  EXPECT_EQ(dump.times, (Doubles{0, 0.5}));
+  EXPECT_EQ(dump.time_unit, "ps");
+  EXPECT_EQ(read_dump(fuzz::gzip(first)).times, Doubles{0});
+  // Frames that do not all tell a later one are numbered.
+  EXPECT_EQ(read_dump(first + frame(100, "x y z", atoms)).times, (Doubles{0, 100}));
+  EXPECT_EQ(read_dump(first + at("0") + frame(100, "x y z", atoms)).times, (Doubles{0, 100}));
+  EXPECT_EQ(error_of([&] { read_dump("ITEM: TIME\nnow\n" + frame(0, "x y z", atoms)); }),
+            "file-format: a.dump: line 2: 'now': expected a number");
+}
+
+// A frame has columns of its own, and so has its box.
+TEST(LammpsDump, FramesDiffer) {
+  const std::string text = frame(0, "id x y z v", "1 1 2 3 5\n2 4 5 6 7\n") +
+                           frame(1, "z y x w id", "3 2 1 8 1\n6 5 4 9 2\n");
+  ReadOptions options;
+  options.step = 1;
+  const Dataset second = read_dump(text, options);
+  EXPECT_EQ(values_of<double>(second.positions), (Doubles{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(values_of<double>(second.array("w")), (Doubles{8, 9}));
+}
+
+// Edge vectors (2,0,0), (1,3,0), (0,1,4) from (10,20,30) on.
+TEST(LammpsDump, GeneralBox) {
+  const std::string box = " abc origin pp pp pp\n2 0 0 10\n1 3 0 20\n0 1 4 30\n";
+  const Dataset scaled = read_dump(frame(0, "xs ys zs", "0 0 0\n0.5 1 0.25\n", box));
+  EXPECT_EQ(values_of<double>(scaled.positions), (Doubles{10, 20, 30, 12, 23.25, 31}));
+  EXPECT_FALSE(scaled.periodic_box.has_value());
+  EXPECT_EQ(scaled.notes.size(), 1U);
+  const std::string even = " abc origin pp pp pp\n2 0 0 10\n0 3 0 20\n0 0 4 30\n";
+  const Dataset upright = read_dump(frame(0, "x y z", "11 21 31\n12 22 32\n", even));
+  ASSERT_TRUE(upright.periodic_box.has_value());
+  EXPECT_EQ(upright.periodic_box->max(), Vec3(12, 23, 34));
+}
+
+TEST(LammpsDump, OtherDumpsAreNamed) {
+  EXPECT_EQ(error_of([&] {
+              read_dump(
+                  "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ENTRIES\n1\nITEM: BOX BOUNDS pp pp "
+                  "pp\n0 1\n0 1\n0 1\nITEM: ENTRIES c_1\n1\n");
+            }),
+            "unsupported: a.dump: line 3: 'ITEM: NUMBER OF ENTRIES': is a dump of bonds or other "
+            "entries, which is not read: expected one of atoms");
+}
+
 TEST(LammpsDump, WhatIsBroken) {
   const std::string good = frame(0, "x y z", "1 2 3\n4 5 6\n");
   const auto message = [](const std::string& text) { return error_of([&] { read_dump(text); }); };

@@ -10,61 +10,14 @@
 
 #include "data/names_text.h"
 #include "io/core/text_scanner.h"
+#include "io/points/position_columns.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
 namespace {
 
-using Triple = std::array<std::size_t, 3>;
-
 constexpr std::array<std::string_view, 9> kPositionNames{
     "points", "coordinates", "positions", "position", "coords", "xyz", "pos", "point", "location"};
-
-// The columns whose lower-case names are what `name_of_axis` gives for 0, 1, 2.
-template <typename NameOfAxis>
-std::optional<Triple> find_triple(const std::vector<PointColumn>& columns,
-                                  const std::vector<std::string>& names,
-                                  const NameOfAxis& name_of_axis) {
-  Triple triple{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto found = std::find(names.begin(), names.end(), name_of_axis(axis));
-    if (found == names.end()) return std::nullopt;
-    triple[axis] = static_cast<std::size_t>(found - names.begin());
-    if (!columns[triple[axis]].is_number) return std::nullopt;
-  }
-  return triple;
-}
-
-std::optional<Triple> named_positions(const std::vector<PointColumn>& columns) {
-  std::vector<std::string> names;
-  names.reserve(columns.size());
-  for (const PointColumn& column : columns) names.push_back(lower(split_unit(column.name).name));
-  const auto letter = [](std::size_t axis) { return std::string(1, "xyz"[axis]); };
-  if (const auto found = find_triple(columns, names, letter)) return found;
-  for (const std::string_view base : kPositionNames) {
-    for (const char between : {':', '_', '.'}) {
-      const auto number = [&](std::size_t axis) {
-        return fmt::format("{}{}{}", base, between, axis);
-      };
-      if (const auto found = find_triple(columns, names, number)) return found;
-    }
-    for (const char* const between : {"_", ":", ".", ""}) {
-      const auto name = [&](std::size_t axis) {
-        return fmt::format("{}{}{}", base, between, "xyz"[axis]);
-      };
-      if (const auto found = find_triple(columns, names, name)) return found;
-    }
-  }
-  return std::nullopt;
-}
-
-std::optional<Triple> first_three(const std::vector<PointColumn>& columns) {
-  Triple triple{};
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < columns.size() && count < 3; ++i)
-    if (columns[i].is_number) triple[count++] = i;
-  return count == 3 ? std::optional(triple) : std::nullopt;
-}
 
 // "name:2" as "name" and 2; nothing if that is not how it ends.
 std::optional<std::pair<std::string, int>> split_component(std::string_view name) {
@@ -95,7 +48,11 @@ void add_array(const std::vector<PointColumn>& columns, std::size_t first, std::
                PointLayout& layout) {
   NameAndUnit named = split_unit(columns[first].name);
   if (count > 1) named.name = split_component(named.name)->first;
-  if (named.name.empty()) named.name = fmt::format("column {}", first + 1);
+  if (named.name.empty()) {
+    // Programs number rows in a first column, and do not name it.
+    const bool are_others_named = columns.size() > 1 && !columns[1].name.empty();
+    named.name = first == 0 && are_others_named ? "index" : fmt::format("column {}", first + 1);
+  }
   for (std::size_t i = 0; i < count; ++i)
     layout.targets[first + i] = {static_cast<int>(layout.arrays.size()), static_cast<int>(i)};
   layout.arrays.push_back({named.name, named.unit, static_cast<int>(count)});
@@ -110,43 +67,38 @@ bool is_position_name(std::string_view name) {
 
 NameAndUnit split_unit(std::string_view text) {
   text = trimmed(text);
+  if (const auto at = text.find(" @ "); at != std::string_view::npos && at > 0) {
+    NameAndUnit named = split_unit(text.substr(0, at));
+    named.name += text.substr(at);
+    return named;
+  }
   const char close = text.empty() ? '\0' : text.back();
   const char open = close == ']' ? '[' : close == ')' ? '(' : '\0';
-  const auto begin = open == '\0' ? std::string_view::npos : text.rfind(open);
-  if (begin == std::string_view::npos || trimmed(text.substr(0, begin)).empty())
+  std::size_t begin = text.size();
+  for (int depth = 0; open != '\0' && begin-- > 0;) {
+    depth += text[begin] == close ? 1 : text[begin] == open ? -1 : 0;
+    if (depth == 0) break;
+  }
+  if (open == '\0' || begin > text.size() || trimmed(text.substr(0, begin)).empty())
     return {std::string(text), ""};
   return {std::string(trimmed(text.substr(0, begin))),
           std::string(trimmed(text.substr(begin + 1, text.size() - begin - 2)))};
 }
 
-PointLayout lay_out_points(const std::string& where, const std::vector<PointColumn>& columns,
-                           std::vector<std::string>& notes) {
-  const bool has_names = std::any_of(columns.begin(), columns.end(), [](const PointColumn& column) {
-    return !column.name.empty();
-  });
-  const auto named = named_positions(columns);
-  const auto positions = named ? named : first_three(columns);
-  if (!positions) {
-    throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: {} columns, fewer than three of them numbers: expected positions "
-                            "x, y, z",
-                            where, columns.size()));
-  }
-  if (!named && has_names) {
-    notes.push_back(fmt::format(
-        "{}: no columns are called x, y, z: '{}', '{}' and '{}' are taken for the positions", where,
-        columns[(*positions)[0]].name, columns[(*positions)[1]].name,
-        columns[(*positions)[2]].name));
-  }
-  PointLayout layout;
-  layout.targets.resize(columns.size());
-  layout.arrays.push_back({"positions", split_unit(columns[(*positions)[0]].name).unit, 3});
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    layout.targets[(*positions)[axis]] = {0, static_cast<int>(axis)};
-  std::vector<std::string> text_names;
+namespace {
+
+// Which columns of numbers the positions do not need.
+void add_arrays(const std::string& where, const std::vector<PointColumn>& columns,
+                PointLayout& layout, std::vector<std::string>& notes) {
+  std::vector<std::string> text_names, empty_names;
   for (std::size_t i = 0; i < columns.size();) {
-    if (layout.targets[i].array >= 0 || !columns[i].is_number) {
-      if (!columns[i].is_number) text_names.push_back(columns[i].name);
+    const PointColumn& column = columns[i];
+    const bool is_left_out = !column.is_number || (column.is_empty && column.name.empty());
+    if (layout.targets[i].array >= 0 || is_left_out) {
+      if (!column.is_number)
+        text_names.push_back(column.name);
+      else if (layout.targets[i].array < 0)
+        empty_names.push_back(fmt::format("column {}", i + 1));
       ++i;
       continue;
     }
@@ -158,6 +110,27 @@ PointLayout lay_out_points(const std::string& where, const std::vector<PointColu
     notes.push_back(
         fmt::format("{}: columns of text are left out: {}", where, data::names_text(text_names)));
   }
+  if (!empty_names.empty()) {
+    notes.push_back(fmt::format("{}: columns without a name, empty at first, are left out: {}",
+                                where, data::names_text(empty_names)));
+  }
+}
+
+}  // namespace
+
+PointLayout lay_out_points(const std::string& where, const std::vector<PointColumn>& columns,
+                           std::vector<std::string>& notes) {
+  const PositionColumns positions = find_position_columns(where, columns, notes);
+  PointLayout layout;
+  layout.targets.resize(columns.size());
+  layout.arrays.push_back({"positions", positions.unit, 3});
+  layout.is_flat = !positions.columns[2];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!positions.columns[axis]) continue;
+    const bool is_turned = axis == 2 && positions.is_depth;
+    layout.targets[*positions.columns[axis]] = {0, static_cast<int>(axis), is_turned ? -1.0 : 1.0};
+  }
+  add_arrays(where, columns, layout, notes);
   return layout;
 }
 
@@ -192,10 +165,22 @@ PointTable::Slot PointTable::slot(std::size_t column, std::int64_t row) {
       stride};
 }
 
+void PointTable::place(const PointLayout& layout, std::span<double> positions) {
+  const bool is_turned = std::any_of(layout.targets.begin(), layout.targets.end(),
+                                     [](const auto& target) { return target.factor < 0; });
+  if (!layout.is_flat && !is_turned) return;
+  for (std::size_t i = 2; i < positions.size(); i += 3)
+    positions[i] = layout.is_flat || positions[i] == 0 ? 0.0 : -positions[i];
+}
+
 void PointTable::release(Dataset& dataset) {
   dataset.kind = DatasetKind::kParticles;
   for (std::size_t i = 0; i < buffers_.size(); ++i) {
     const PointLayout::Array& array = layout_.arrays[i];
+    if (i == 0) {
+      place(layout_, {reinterpret_cast<double*>(buffers_[0].bytes().data()),
+                      3 * static_cast<std::size_t>(num_rows_)});
+    }
     DataArray made{array.name, ScalarType::kFloat64, array.num_components, num_rows_, array.unit,
                    false,      buffers_[i].release()};
     if (i == 0)

@@ -3,6 +3,8 @@
 // together as one array.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +18,7 @@ namespace ovoid::io {
 struct PointColumn {
   std::string name;
   bool is_number = true;  // text is left out, with a note
+  bool is_empty = false;  // as far as it was looked at: without a name it is left out, with a note
 };
 
 // Where the columns go.
@@ -28,20 +31,30 @@ struct PointLayout {
   struct Target {
     int array = -1;  // index into `arrays`; -1: left out
     int component = 0;
+    double factor = 1;  // -1: a depth, which is counted downwards
   };
   std::vector<Array> arrays;    // the first one is the positions
   std::vector<Target> targets;  // of each column
+  bool is_flat = false;         // no column holds z, which is 0
 };
 
-// Finds the positions: x y z, the units in brackets aside; else NAME:0 NAME:1 NAME:2 or NAME_0 ...
-// with a name such as Points; else pos_x pos_y pos_z and the like; case does not matter. Without
-// any, or where the columns have no names, the first three columns of numbers are taken, with a
-// note. NAME:0, NAME:1 ... in a row become one array. Throws Error(kFileFormat) naming `where` for
-// fewer than three columns of numbers.
+// Finds the positions, whatever the case and the units in brackets. In this order:
+//   x y z; the same with a word such as Points, pos, coordinate or centroid before or behind the
+//   letter ("x-coordinate", "pos_x", "X Location"); NAME:0 NAME:1 NAME:2 with such a name; x_mm;
+//   x and y, longitude and latitude or easting and northing in the horizontal plane, with altitude,
+//   height or elevation, or with depth, which counts downwards, or flat (not x and y without z, if
+//   there are px py pz); px py pz;
+//   else the first three columns of numbers that are neither numbers of points nor times.
+// A note tells which were taken, unless they say so by themselves. Columns NAME:0, NAME:1 ... in a
+// row become one array. Throws Error(kFileFormat) naming `where` for fewer than three columns of
+// numbers, and for a column of positions that holds text.
 PointLayout lay_out_points(const std::string& where, const std::vector<PointColumn>& columns,
                            std::vector<std::string>& notes);
 
-// "x[kpc]" and "x (kpc)" into name and unit.
+// Does one of these rules but the last find positions?
+bool has_position_names(const std::vector<PointColumn>& columns);
+
+// "x[kpc]" and "x (kpc)" into name and unit; "T (K) @ t=1" is "T @ t=1" in K.
 struct NameAndUnit {
   std::string name;
   std::string unit;
@@ -73,6 +86,10 @@ class PointTable {
 
   // As positions and arrays of `dataset`, which becomes one of particles.
   void release(Dataset& dataset);
+
+  // Makes places of `positions`, rows of three numbers: turns what counts downwards, and fills the
+  // third of flat ones.
+  static void place(const PointLayout& layout, std::span<double> positions);
 
  private:
   PointLayout layout_;

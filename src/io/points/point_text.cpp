@@ -8,8 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <string>
@@ -24,6 +22,8 @@
 #include "io/core/signatures.h"
 #include "io/core/text_scanner.h"
 #include "io/points/point_columns.h"
+#include "io/points/text_rows.h"
+#include "io/points/text_table.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -36,127 +36,33 @@ constexpr std::int64_t kMinLineRatio = 4;
 constexpr std::size_t kMaxPointColumns = 4096;
 constexpr std::int64_t kRowsAtATime = 4096;
 
-// What the first lines show.
-struct TextTable {
-  std::string names;     // the line of names, or the comment that may be one
-  bool is_sure = false;  // it is no comment
-  std::int64_t num_columns = 0;
-  std::int64_t num_lines = 0;  // of numbers, counted up to one more than kMaxQuantityLines
-  Separator separator = Separator::kBlanks;
-  std::vector<bool> is_number;  // of each column, by the first line of numbers
-};
-
-std::string_view without_mark(std::string_view line) {
-  if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);  // a byte order mark
-  return line;
-}
-
-bool is_left_out(std::string_view line) {
-  const auto first = line.find_first_not_of(" \t");
-  return first == std::string_view::npos || line[first] == '#';
-}
-
-void look_at_first_line(const LineReader& lines, std::string_view line, TextTable& table) {
-  if (const auto separator = separator_of(line)) {
-    table.separator = *separator;
-    const auto fields = split_fields(line, *separator);
-    for (const std::string_view field : fields)
-      table.is_number.push_back(parse_field(field).has_value());
-    // A last field may be empty in this line, and not in others.
-    const std::size_t num_names =
-        table.is_sure ? split_fields(table.names, *separator).size() : fields.size();
-    if (num_names == fields.size() + 1 && line.ends_with(static_cast<char>(*separator)))
-      table.is_number.push_back(true);
-    table.num_columns = static_cast<std::int64_t>(table.is_number.size());
-    table.num_lines = 1;
-    return;
-  }
-  if (table.is_sure) {
-    throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: '{}': expected at least three numbers for x, y, z", lines.where(),
-                            line.substr(0, 40)));
-  }
-  table.names = line;
-  table.is_sure = true;
-}
-
-TextTable look_at_table(const ByteSource& source) {
-  const ReadOptions options;
-  ReadProgress progress(options, 0);
-  const auto stream = open_stream(source, progress);
-  LineReader lines(*stream, source.name());
-  TextTable table;
-  std::string_view line;
-  while (table.num_lines <= kMaxQuantityLines && lines.next(line)) {
-    if (lines.number() == 1) line = without_mark(line);
-    if (is_left_out(line)) {
-      // The last comment before the numbers may name the columns, as numpy.savetxt writes it.
-      const auto mark = line.find('#');
-      if (mark != std::string_view::npos && table.num_lines == 0 && !table.is_sure)
-        table.names = line.substr(line.find_first_not_of("# \t") == std::string_view::npos
-                                      ? line.size()
-                                      : line.find_first_not_of("# \t"));
-    } else if (table.num_lines > 0) {
-      ++table.num_lines;
-    } else {
-      look_at_first_line(lines, line, table);
-    }
-  }
-  if (table.num_lines == 0) {
-    throw Error(
-        ErrorCode::kFileFormat,
-        fmt::format("{}: holds no line of numbers: expected rows of x, y, z", source.name()));
-  }
-  return table;
-}
-
-// As many names as there are columns, or none.
-std::vector<std::string> names_for(const std::string& where, const TextTable& table,
-                                   std::int64_t count, std::vector<std::string>& notes) {
-  std::vector<std::string> names;
-  for (const Separator separator : {table.separator, Separator::kComma, Separator::kBlanks}) {
-    const auto fields = split_fields(table.names, separator);
-    if (static_cast<std::int64_t>(fields.size()) != count) continue;
-    names.assign(fields.begin(), fields.end());
-    const bool has_number = std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
-      return !field.empty() && parse_field(field).has_value();
-    });
-    if (!table.is_sure && has_number) names.clear();  // a comment about something else
-    break;
-  }
-  if (names.empty() && table.is_sure) {
-    notes.push_back(fmt::format("{}: the line of names '{}' does not have {} of them: ignored",
-                                where, table.names.substr(0, 60), count));
-  }
-  names.resize(static_cast<std::size_t>(count));
-  return names;
-}
-
-// Walks the lines that are rows: all but comments and the names.
-class RowLines {
- public:
-  RowLines(const TextTable& shape, LineReader& lines) : lines_(lines), has_names_(shape.is_sure) {}
-
-  bool next(std::string_view& line) {
-    while (lines_.next(line)) {
-      if (lines_.number() == 1) line = without_mark(line);
-      if (is_left_out(line)) continue;
-      if (!std::exchange(has_names_, false)) return true;
-    }
+// A line of a table that was taken for one with decimal points.
+bool has_decimal_commas(const TextTable& shape, std::string_view line) {
+  if (shape.separator == Separator::kComma || line.find(',') == std::string_view::npos)
     return false;
+  const auto fields = split_fields(line, shape.separator);
+  for (std::size_t i = 0; i < std::min(fields.size(), shape.columns.size()); ++i) {
+    if (shape.columns[i] != TextTable::Column::kText && !parse_field(fields[i]) &&
+        parse_field(fields[i], DecimalMark::kComma))
+      return true;
   }
+  return false;
+}
 
- private:
-  LineReader& lines_;
-  bool has_names_;
-};
-
-std::int64_t count_rows(const ByteSource& source, const TextTable& shape, ReadProgress& progress) {
+// How many there are; all of them say what decimal mark the numbers have, since shares of the rows
+// are to agree.
+std::int64_t count_rows(const ByteSource& source, TextTable& shape, ReadProgress& progress) {
   const auto stream = open_stream(source, progress);
   LineReader lines(*stream, source.name());
-  RowLines rows(shape, lines);
+  TextRows rows(lines);
   std::int64_t count = 0;
-  for (std::string_view line; rows.next(line);) ++count;
+  std::string_view line;
+  for (bool is_one = rows.next_row_behind(shape.num_text_lines, line); is_one;
+       is_one = rows.next_row(line)) {
+    if (shape.mark == DecimalMark::kPoint && has_decimal_commas(shape, line))
+      shape.mark = DecimalMark::kComma;
+    ++count;
+  }
   return count;
 }
 
@@ -164,19 +70,22 @@ std::int64_t count_rows(const ByteSource& source, const TextTable& shape, ReadPr
 class RowReader {
  public:
   RowReader(const TextTable& shape, PointTable& table)
-      : shape_(shape), table_(table), slots_(shape.is_number.size()) {}
+      : shape_(shape), table_(table), slots_(shape.columns.size()) {}
 
-  // Of all rows those that are wanted; the others' numbers are not looked at.
-  void read(LineReader& lines, const Rows& wanted) {
-    RowLines rows(shape_, lines);
+  // Of all rows those that are wanted; the others' numbers are not looked at. False if one has a
+  // decimal comma and the table was taken for one with points.
+  bool read(LineReader& lines, const Rows& wanted) {
+    TextRows rows(lines);
     std::string_view line;
-    for (std::int64_t row = 0; row < wanted.end() && rows.next(line); ++row) {
+    bool is_one = rows.next_row_behind(shape_.num_text_lines, line);
+    for (std::int64_t row = 0; is_one && row < wanted.end(); ++row, is_one = rows.next_row(line)) {
       if (row < wanted.first) continue;
       if (num_left_ == 0) extend();
-      read_row(lines, line);
+      if (!read_row(lines, line)) return false;
       --num_left_;
     }
     table_.shrink(num_left_);
+    return true;
   }
 
  private:
@@ -187,15 +96,21 @@ class RowReader {
     for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i] = table_.slot(i, first);
   }
 
-  void read_row(const LineReader& lines, std::string_view line) {
-    FieldReader fields(line, shape_.separator);
+  bool read_row(const LineReader& lines, std::string_view line) {
+    FieldReader fields(line, shape_.separator, shape_.mark);
     for (std::size_t i = 0; i < slots_.size(); ++i) {
       PointTable::Slot& slot = slots_[i];
       if (slot.first == nullptr) {
         if (!fields.skip()) fail_short(lines, i);
         continue;
       }
-      if (!fields.number(*slot.first)) fail_number(lines, fields, i);
+      if (!fields.number(*slot.first)) {
+        if (shape_.mark == DecimalMark::kPoint && !fields.text().empty() &&
+            !(shape_.separator == Separator::kComma && has_thousands_marks(fields.text())) &&
+            parse_field(fields.text(), DecimalMark::kComma))
+          return false;
+        fail_number(lines, fields, i);
+      }
       slot.first += slot.stride;
     }
     if (!fields.at_end()) {
@@ -203,6 +118,7 @@ class RowReader {
                   fmt::format("{}: has more than the {} fields of the first line of numbers",
                               lines.where(), slots_.size()));
     }
+    return true;
   }
 
   [[noreturn]] void fail_short(const LineReader& lines, std::size_t count) const {
@@ -212,6 +128,14 @@ class RowReader {
   [[noreturn]] void fail_number(const LineReader& lines, const FieldReader& fields,
                                 std::size_t column) const {
     if (fields.text().empty()) fail_short(lines, column);
+    refuse_thousands(lines.where(), fields.text());
+    if (shape_.mark == DecimalMark::kComma && parse_field(fields.text())) {
+      throw Error(
+          ErrorCode::kFileFormat,
+          fmt::format("{}: field {} is '{}': other numbers have decimal commas, so that its "
+                      "point may set thousands apart: expected commas or points alone",
+                      lines.where(), column + 1, fields.text().substr(0, 32)));
+    }
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: field {} is '{}': expected a number", lines.where(), column + 1,
                             fields.text().substr(0, 32)));
@@ -224,9 +148,10 @@ class RowReader {
 };
 
 // One array of numbers per line.
-void append_line(const LineReader& lines, std::string_view line, Separator separator,
-                 std::int64_t count, SampleBuffer& out) {
-  FieldReader fields(line, separator);
+void append_line(const LineReader& lines, std::string_view line, const TextTable& shape,
+                 SampleBuffer& out) {
+  const std::int64_t count = shape.num_columns();
+  FieldReader fields(line, shape.separator, shape.mark);
   const auto num_bytes = count * static_cast<std::int64_t>(sizeof(double));
   auto* const to = reinterpret_cast<double*>(out.extend(num_bytes, num_bytes).data());
   for (std::int64_t i = 0; i < count; ++i) {
@@ -243,28 +168,33 @@ void append_line(const LineReader& lines, std::string_view line, Separator separ
   }
 }
 
-// The lines of one array each, side by side.
-Bytes interleave_lines(std::vector<SampleBuffer>& lines, const std::vector<std::size_t>& which,
+// The lines of one array each, side by side; zeros for a component that has none.
+Bytes interleave_lines(std::vector<SampleBuffer>& lines, const PointLayout& layout, int array,
                        std::int64_t count) {
-  if (which.size() == 1) return lines[which[0]].release();
+  const int num_components = layout.arrays[static_cast<std::size_t>(array)].num_components;
+  const auto width = static_cast<std::size_t>(num_components);
   SampleBuffer result;
-  const auto num_bytes =
-      count * static_cast<std::int64_t>(which.size()) * static_cast<std::int64_t>(sizeof(double));
+  const auto num_bytes = count * num_components * static_cast<std::int64_t>(sizeof(double));
   auto* const to = reinterpret_cast<double*>(result.extend(num_bytes, num_bytes).data());
-  for (std::size_t c = 0; c < which.size(); ++c) {
-    const auto* const from = reinterpret_cast<const double*>(lines[which[c]].bytes().data());
+  std::fill(to, to + static_cast<std::size_t>(count) * width, 0.0);
+  for (std::size_t c = 0; c < lines.size(); ++c) {
+    const PointLayout::Target& target = layout.targets[c];
+    if (target.array != array) continue;
+    const auto* const from = reinterpret_cast<const double*>(lines[c].bytes().data());
+    const auto component = static_cast<std::size_t>(target.component);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
-      to[i * which.size() + c] = from[i];
-    lines[which[c]].release();
+      to[i * width + component] = from[i];
+    lines[c].release();
   }
+  if (array == 0) PointTable::place(layout, {to, static_cast<std::size_t>(count) * width});
   return result.release();
 }
 
 void read_quantities(const ByteSource& source, const TextTable& shape, LineReader& lines,
                      Dataset& dataset) {
-  const std::int64_t count = shape.num_columns;
+  const std::int64_t count = shape.num_columns();
   const std::vector<std::string> names =
-      names_for(source.name(), shape, shape.num_lines, dataset.notes);
+      names_in(source.name(), shape, shape.num_lines, dataset.notes);
   std::vector<PointColumn> columns;
   columns.reserve(names.size());
   for (const std::string& name : names) columns.push_back({name});
@@ -273,16 +203,12 @@ void read_quantities(const ByteSource& source, const TextTable& shape, LineReade
                   source.name(), shape.num_lines, count));
   const PointLayout layout = lay_out_points(source.name(), columns, dataset.notes);
   std::vector<SampleBuffer> values(columns.size());
+  TextRows rows(lines);
   std::string_view line;
   std::size_t next = 0;
-  bool has_names = shape.is_sure;
-  while (lines.next(line)) {
-    if (lines.number() == 1) line = without_mark(line);
-    if (is_left_out(line)) continue;
-    if (!has_names && next < values.size())
-      append_line(lines, line, shape.separator, count, values[next++]);
-    has_names = false;
-  }
+  for (bool is_one = rows.next_row_behind(shape.num_text_lines, line);
+       is_one && next < values.size(); is_one = rows.next_row(line))
+    append_line(lines, line, shape, values[next++]);
   if (next < values.size()) {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: had {} lines of numbers when it was opened, and has {}",
@@ -291,18 +217,13 @@ void read_quantities(const ByteSource& source, const TextTable& shape, LineReade
   dataset.kind = DatasetKind::kParticles;
   for (std::size_t i = 0; i < layout.arrays.size(); ++i) {
     const PointLayout::Array& array = layout.arrays[i];
-    std::vector<std::size_t> which(static_cast<std::size_t>(array.num_components));
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      if (layout.targets[c].array == static_cast<int>(i))
-        which[static_cast<std::size_t>(layout.targets[c].component)] = c;
-    }
     DataArray made{array.name,
                    ScalarType::kFloat64,
                    array.num_components,
                    count,
                    array.unit,
                    false,
-                   interleave_lines(values, which, count)};
+                   interleave_lines(values, layout, static_cast<int>(i), count)};
     if (i == 0)
       dataset.positions = std::move(made);
     else
@@ -310,52 +231,75 @@ void read_quantities(const ByteSource& source, const TextTable& shape, LineReade
   }
 }
 
-void read_rows(const ByteSource& source, const TextTable& shape, LineReader& lines,
-               const std::optional<std::int64_t>& num_rows, const std::optional<RowShare>& share,
-               Dataset& dataset) {
-  if (shape.is_number.size() > kMaxPointColumns) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: {} columns: expected at most {}", source.name(),
-                            shape.is_number.size(), kMaxPointColumns));
+PointLayout lay_out_table(const std::string& where, const TextTable& shape,
+                          std::vector<std::string>& notes) {
+  if (shape.columns.size() > kMaxPointColumns) {
+    throw Error(ErrorCode::kUnsupported, fmt::format("{}: {} columns: expected at most {}", where,
+                                                     shape.columns.size(), kMaxPointColumns));
   }
-  const std::vector<std::string> names =
-      names_for(source.name(), shape, shape.num_columns, dataset.notes);
+  const std::vector<std::string> names = names_in(where, shape, shape.num_columns(), notes);
   std::vector<PointColumn> columns;
-  for (std::size_t i = 0; i < names.size(); ++i) columns.push_back({names[i], shape.is_number[i]});
-  PointTable table(lay_out_points(source.name(), columns, dataset.notes));
-  const Rows wanted = num_rows ? rows_of_share(share, *num_rows)
-                               : Rows{0, std::numeric_limits<std::int64_t>::max()};
-  RowReader(shape, table).read(lines, wanted);
-  if (num_rows && table.num_rows() < wanted.count) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    columns.push_back({names[i], shape.columns[i] != TextTable::Column::kText,
+                       shape.columns[i] == TextTable::Column::kEmpty});
+  }
+  return lay_out_points(where, columns, notes);
+}
+
+// What is read of a table: all of it, or a share of rows that were counted.
+struct WantedRows {
+  std::optional<RowShare> share;
+  std::optional<std::int64_t> num_rows;
+};
+
+// False, and nothing is in the dataset, if the table's numbers have decimal commas after all.
+bool read_rows(const ByteSource& source, const TextTable& shape, ReadProgress& progress,
+               const WantedRows& asked, Dataset& dataset) {
+  std::vector<std::string> notes;
+  PointTable table(lay_out_table(source.name(), shape, notes));
+  const Rows wanted = asked.num_rows ? rows_of_share(asked.share, *asked.num_rows)
+                                     : Rows{0, std::numeric_limits<std::int64_t>::max()};
+  const auto stream = open_stream(source, progress);
+  LineReader lines(*stream, source.name());
+  if (!RowReader(shape, table).read(lines, wanted)) return false;
+  if (asked.num_rows && table.num_rows() < wanted.count) {
     throw Error(ErrorCode::kFileFormat,
                 fmt::format("{}: had {} lines of numbers when it was opened, and has fewer",
-                            source.name(), *num_rows));
+                            source.name(), *asked.num_rows));
   }
+  if (shape.mark == DecimalMark::kComma)
+    notes.push_back(fmt::format("{}: commas are taken for decimal ones", source.name()));
+  dataset.notes = std::move(notes);
   table.release(dataset);
-  if (num_rows) set_share(dataset, share, *num_rows);
+  if (asked.num_rows) set_share(dataset, asked.share, *asked.num_rows);
+  return true;
 }
 
 }  // namespace
 
 Dataset read_point_text(const ByteSource& source, const ReadOptions& options) {
-  const TextTable shape = look_at_table(source);
+  TextTable shape = look_at_table(source);
   Dataset dataset;
   dataset.source = source.name();
   dataset.format = plain_ending_of(source.name()) == ".csv" ? "CSV" : "text";
   const bool is_by_line = shape.num_lines >= kMinQuantityLines &&
                           shape.num_lines <= kMaxQuantityLines &&
-                          shape.num_columns >= kMinLineRatio * shape.num_lines;
+                          shape.num_columns() >= kMinLineRatio * shape.num_lines;
   // Which rows are a share's is known when all are counted.
   const bool is_counted = options.share && !is_by_line;
   ReadProgress progress(options, is_counted ? 2 * source.size() : source.size());
-  std::optional<std::int64_t> num_rows;
-  if (is_counted) num_rows = count_rows(source, shape, progress);
-  const auto stream = open_stream(source, progress);
-  LineReader lines(*stream, source.name());
-  if (is_by_line)
+  if (is_by_line) {
+    const auto stream = open_stream(source, progress);
+    LineReader lines(*stream, source.name());
     read_quantities(source, shape, lines, dataset);
-  else
-    read_rows(source, shape, lines, num_rows, options.share, dataset);
+    return dataset;
+  }
+  WantedRows asked{options.share, {}};
+  if (is_counted) asked.num_rows = count_rows(source, shape, progress);
+  if (!read_rows(source, shape, progress, asked, dataset)) {
+    shape.mark = DecimalMark::kComma;
+    read_rows(source, shape, progress, asked, dataset);
+  }
   return dataset;
 }
 

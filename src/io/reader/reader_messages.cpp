@@ -209,7 +209,8 @@ Json json_of(DataArray array, MemoryWriter& memory) {
           {"in_file", array.stored ? json_of(*array.stored) : Json()}};
 }
 
-DataArray array_of(const Json& json, const Shared& memory, const ReaderHost& host) {
+DataArray array_of(const Json& json, const Shared& memory, const ReaderHost& host,
+                   const Dataset& dataset) {
   DataArray array;
   array.name = json.at("name");
   array.type = enum_of(json.at("type"), ScalarType::kFloat64);
@@ -231,7 +232,7 @@ DataArray array_of(const Json& json, const Shared& memory, const ReaderHost& hos
     StoredPlace place = stored_place(in_file);
     place.type = array.type;
     place.num_bytes = num_bytes;
-    array.stored = samples_in_file(*open_file(host.file), place, host.options);
+    array.stored = samples_in_file(*open_file(host.file_of(dataset)), place, host.options);
   } else if (num_bytes != static_cast<std::int64_t>(array.bytes.view.size())) {
     nonsense("an array of another size than its own");
   }
@@ -334,14 +335,14 @@ Dataset dataset_of(const Json& json, const Shared& memory, const ReaderHost& hos
   dataset.format = json.at("format");
   dataset.kind = enum_of(json.at("kind"), DatasetKind::kKernels);
   dataset.lattice = lattice_of(json.at("lattice"));
-  dataset.positions = array_of(json.at("positions"), memory, host);
+  dataset.positions = array_of(json.at("positions"), memory, host, dataset);
   dataset.cells = cells_of(json.at("cells"), memory);
-  dataset.box_sizes = array_of(json.at("box_sizes"), memory, host);
+  dataset.box_sizes = array_of(json.at("box_sizes"), memory, host, dataset);
   dataset.periodic_box = box_of(json.at("periodic_box"));
   dataset.share = dataset_share_of(json.at("share"), memory);
   dataset.space = enum_of(json.at("space"), Space::kRas);
   for (const Json& array : json.at("arrays"))
-    dataset.arrays.push_back(array_of(array, memory, host));
+    dataset.arrays.push_back(array_of(array, memory, host, dataset));
   for (const Json& block : json.at("blocks")) dataset.blocks.push_back({block.at(0), block.at(1)});
   dataset.block = json.at("block");
   dataset.num_steps = count_of(json.at("num_steps"));
@@ -399,6 +400,11 @@ void check_parts(const ReaderHost& host, const Dataset& dataset) {
 }
 
 }  // namespace
+
+const std::string& ReaderHost::file_of(const Dataset& dataset) const {
+  const auto found = std::find(paths.begin(), paths.end(), dataset.source);
+  return found == paths.end() ? paths.front() : *found;
+}
 
 std::vector<std::uint8_t> to_message(const ReaderRequest& request) {
   const ReadOptions& options = request.options;

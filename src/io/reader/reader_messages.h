@@ -47,9 +47,13 @@ DatasetMessage to_message(Dataset dataset);
 
 // Who has sent the request.
 struct ReaderHost {
-  std::string source;  // as the request's
-  std::string file;    // the first of its paths
+  std::string source;              // as the request's
+  std::vector<std::string> paths;  // as the request's
   ReadOptions options;
+
+  // Where samples that stay in their file lie: in what a dataset calls its source, if that is one
+  // of the paths, else in the first.
+  const std::string& file_of(const Dataset& dataset) const;
 };
 
 // The dataset, its arrays and cells in the memory itself, which they keep, or, where they may, left

@@ -44,7 +44,7 @@ Dataset small_mesh() {
   return dataset;
 }
 
-ReaderHost host_of(const std::string& file) { return {file, file}; }
+ReaderHost host_of(const std::string& file) { return {file, {file}, {}}; }
 
 TEST(ReaderMessages, DatasetArrivesWhole) {
   const Dataset sent = small_mesh();

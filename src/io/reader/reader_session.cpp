@@ -380,7 +380,7 @@ Dataset ReaderSession::read(const std::string& format, const std::string& source
     impl_->require_running(options.stop);  // else it was killed, and could not take the request
     impl_->report_end(source, "did not start");
   }
-  return impl_->receive({source, paths.front(), options});
+  return impl_->receive({source, paths, options});
 }
 
 Dataset io::read_foreign(const std::string& format, const std::string& source,

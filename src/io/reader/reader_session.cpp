@@ -15,6 +15,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -88,7 +89,10 @@ class SpawnSettings {
   pid_t start(const std::string& program) {
     std::string name = "ovoid-read";
     std::array<char*, 2> arguments{name.data(), nullptr};
-    std::array<char*, 1> environment{nullptr};
+    std::vector<std::string> variables = reader_environment(std::getenv("LD_LIBRARY_PATH"));
+    std::vector<char*> environment;
+    for (std::string& variable : variables) environment.push_back(variable.data());
+    environment.push_back(nullptr);
     pid_t pid = -1;
     const int error = ::posix_spawn(&pid, program.c_str(), &files_, &attributes_, arguments.data(),
                                     environment.data());

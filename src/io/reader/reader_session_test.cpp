@@ -11,6 +11,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -242,6 +243,46 @@ TEST_F(ReaderSessionTest, FilesOfSetsAndCases) {
   const std::string start = folder.write("e", "InitialTime = 0\n");
   const std::string grid = folder.write("e.cpu0000", "x");
   EXPECT_EQ(files_read_for(enzo), (std::vector{enzo, start, grid}));
+}
+
+// --- what is loaded
+
+// The folder that a program works in may be that of other people's data.
+void write_wrong_libraries(const TestFolder& folder) {
+  for (const char* const name : {"libc.so.6", "libm.so.6", "libstdc++.so.6", "libblosc.so.1"})
+    folder.write(name, "no library");
+}
+
+// Fails if an entry of LD_LIBRARY_PATH leads the reader's loader into the working folder.
+TEST_F(ReaderSessionTest, LibrariesOfTheWorkingFolderAreNotLoaded) {
+  const std::string path = folder.write("a.vtu", vtu("4"));
+  write_wrong_libraries(folder);
+  const fs::path before = fs::current_path();
+  const char* const variable = std::getenv("LD_LIBRARY_PATH");
+  const std::string kept = variable != nullptr ? variable : "";
+  for (const char* const entries : {"", ":", ".", "/nowhere::", "/nowhere;;.", "./"}) {
+    ::setenv("LD_LIBRARY_PATH", entries, 1);
+    fs::current_path(folder.file(""));
+    EXPECT_EQ(refusal(path), "") << entries;
+  }
+  fs::current_path(before);
+  variable != nullptr ? ::setenv("LD_LIBRARY_PATH", kept.c_str(), 1)
+                      : ::unsetenv("LD_LIBRARY_PATH");
+}
+
+TEST(ReaderEnvironment, HasTheAbsoluteFoldersOfLibraries) {
+  const auto libraries = [](const char* path) {
+    std::vector<std::string> found;
+    for (const std::string& variable : reader_environment(path))
+      if (!variable.starts_with("GLIBC_TUNABLES=")) found.push_back(variable);
+    return found;
+  };
+  for (const char* const none : {"", ":", ".", "lib:$ORIGIN/../lib", ":./lib;"})
+    EXPECT_TRUE(libraries(none).empty()) << none;
+  EXPECT_TRUE(libraries(nullptr).empty());
+  EXPECT_EQ(libraries("/opt/a/lib"), std::vector<std::string>{"LD_LIBRARY_PATH=/opt/a/lib"});
+  EXPECT_EQ(libraries(":/opt/a;.;/opt/b:"),
+            std::vector<std::string>{"LD_LIBRARY_PATH=/opt/a:/opt/b"});
 }
 
 // --- what the host does not notice --------------------------------------------------------------

@@ -15,6 +15,7 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <mutex>
 #include <new>
 #include <span>
 #include <string>
@@ -23,6 +24,7 @@
 
 #include "io/core/memory.h"
 #include "io/core/row_share.h"
+#include "io/core/work_done.h"
 #include "io/reader/reader_messages.h"
 #include "ovoid/error.h"
 #include "sandbox.h"
@@ -83,10 +85,9 @@ class Server {
     request.options.progress = [&](double fraction) {
       if (fraction < told + kProgressStep) return;
       told = fraction;
-      std::array<std::uint8_t, sizeof(double)> bytes{};
-      std::memcpy(bytes.data(), &fraction, sizeof(double));
-      link_.send(io::LinkMessage::kProgress, bytes);
+      tell(io::LinkMessage::kProgress, fraction);
     };
+    io::set_work_listener([&](std::int64_t num_bytes) { tell(io::LinkMessage::kWork, num_bytes); });
     Dataset dataset = read_here_(request);
     io::cut_to_share(dataset, request.options.share);
     if (const std::string refused = take_refused_file(); !refused.empty())
@@ -97,6 +98,14 @@ class Server {
              fmt::format("{}: the names of its arrays take {} bytes: at most {} are read", source_,
                          answer.description.size(), io::kMaxLinkMessage));
     }
+  }
+
+  template <typename Number>
+  void tell(io::LinkMessage type, Number number) const {
+    std::array<std::uint8_t, sizeof(Number)> bytes{};
+    std::memcpy(bytes.data(), &number, sizeof(Number));
+    const std::lock_guard lock(telling_);  // readers may work in many threads
+    link_.send(type, bytes);
   }
 
   void refuse(ErrorCode code, std::string what) {
@@ -118,6 +127,7 @@ class Server {
   }
 
   io::ReaderLink link_;
+  mutable std::mutex telling_;
   ReadHere read_here_;
   std::string source_;
   bool is_in_sandbox_ = false;

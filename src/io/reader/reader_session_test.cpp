@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -21,6 +22,7 @@
 #include <vector>
 
 #include "io/core/test_folder.h"
+#include "io/core/work_done.h"
 #include "io/images/test_volumes.h"
 #include "io/reader/reader_program.h"
 #include "ovoid/io.h"
@@ -111,6 +113,60 @@ TEST_F(ReaderSessionTest, EndlessLoopIsEnded) {
   folder.write("a.v", "x\n");
   const std::string message = refusal(folder.write("a.case", kEndless));
   EXPECT_NE(message.find("processor time"), std::string::npos) << message;
+}
+
+// A polyhedron one of whose faces says that it has 2^40 corners. VTK 9.1 walks into its own set of
+// nodes, which it fills meanwhile, and has told before that three quarters of the file are read.
+std::string endless_polyhedron() {
+  const auto big_endian = [](std::uint64_t number, int size) {
+    std::string bytes;
+    for (int shift = 8 * (size - 1); shift >= 0; shift -= 8)
+      bytes += static_cast<char>((number >> static_cast<unsigned>(shift)) & 0xFFU);
+    return bytes;
+  };
+  constexpr int kNumbers = 5000;
+  std::string text = "# vtk DataFile Version 5.1\nx\nBINARY\nDATASET UNSTRUCTURED_GRID\n";
+  text += "POINTS 8 float\n" + std::string(std::size_t{8} * 3 * 4, '\0');
+  text += "\nCELLS 2 5000\nOFFSETS vtktypeint64\n" + big_endian(0, 8) + big_endian(kNumbers, 8);
+  text += "\nCONNECTIVITY vtktypeint64\n" + big_endian(1, 8);
+  text += big_endian(std::uint64_t{1} << 40U, 8);
+  for (std::uint64_t i = 0; i < kNumbers - 2; ++i) text += big_endian(i * 7919 % 100000, 8);
+  text += "\nCELL_TYPES 1\n" + big_endian(42, 4) + "\nPOINT_DATA 8\nSCALARS v float 1\n";
+  text += "LOOKUP_TABLE default\n";
+  for (std::uint32_t i = 0; i < 8; ++i) text += big_endian(0x3F800000 + i, 4);
+  return text + "\n";
+}
+
+double seconds_of_children() {
+  rusage used{};
+  ::getrusage(RUSAGE_CHILDREN, &used);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
+  };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
+// Fails if what a library says of its progress earns it time: 300 s of a processor, for 48 KB.
+TEST_F(ReaderSessionTest, ProgressEarnsNoTime) {
+  const std::string path = folder.write("loop.vtk", endless_polyhedron());
+  const double before = seconds_of_children();
+  const std::string message = refusal(path);
+  EXPECT_NE(message.find("its reader stopped"), std::string::npos) << message;
+  EXPECT_LT(seconds_of_children() - before, 8);  // 2, a second's grace, and what it takes to start
+}
+
+// Fails if work earns nothing, or more than once.
+TEST(WorkDone, IsToldInPieces) {
+  std::vector<std::int64_t> told;
+  set_work_listener([&](std::int64_t num_bytes) { told.push_back(num_bytes); });
+  add_work_done(kWorkTold - 1);
+  EXPECT_TRUE(told.empty());
+  add_work_done(-5);
+  add_work_done(1);
+  add_work_done(3 * kWorkTold);
+  set_work_listener({});
+  add_work_done(5 * kWorkTold);
+  EXPECT_EQ(told, (std::vector<std::int64_t>{kWorkTold, 3 * kWorkTold}));
 }
 
 TEST_F(ReaderSessionTest, StopEndsAnEndlessLoop) {

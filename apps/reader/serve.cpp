@@ -28,6 +28,7 @@
 #include "io/reader/reader_messages.h"
 #include "ovoid/error.h"
 #include "sandbox.h"
+#include "unwritten.h"
 
 namespace ovoid::reader {
 namespace {
@@ -88,7 +89,7 @@ class Server {
       tell(io::LinkMessage::kProgress, fraction);
     };
     io::set_work_listener([&](std::int64_t num_bytes) { tell(io::LinkMessage::kWork, num_bytes); });
-    Dataset dataset = read_here_(request);
+    Dataset dataset = read_what_is_written(request, read_here_);
     io::cut_to_share(dataset, request.options.share);
     if (const std::string refused = take_refused_file(); !refused.empty())
       dataset.notes.push_back(refused_text(refused));

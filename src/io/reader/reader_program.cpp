@@ -82,8 +82,9 @@ std::vector<std::string> reader_environment(const char* library_path) {
     folders += folders.empty() ? "" : ":";
     folders += folder;
   }
-  if (folders.empty()) return {};
-  return {"LD_LIBRARY_PATH=" + folders};
+  std::vector<std::string> variables{"GLIBC_TUNABLES=glibc.malloc.tcache_count=0"};
+  if (!folders.empty()) variables.push_back("LD_LIBRARY_PATH=" + folders);
+  return variables;
 }
 
 }  // namespace ovoid::io

@@ -35,8 +35,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What files write into messages may be long.
-constexpr std::size_t kMaxMessage = 1000;
+// What files write into messages may be long; who shows them makes them shorter.
+constexpr std::size_t kMaxMessage = std::size_t{1} << 16;
 
 // Nobody needs to hear of less.
 constexpr double kProgressStep = 0.01;

@@ -6,6 +6,17 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(OVOID_IS_X86 ON)
 endif()
 
+# What Debian builds its packages with (dpkg-buildflags with hardening=+all) and GCC does not do by itself: functions check their stack and
+# the memory that they copy to, tables are read-only before main() begins, programs lie where the system likes. scripts/check_binaries.py
+# reads the results. Beyond that -fstack-clash-protection: a frame that is larger than a page touches each of its pages. Sanitizers watch
+# memory themselves. Not -fcf-protection: it does nothing beside a C library that is built without, as Debian's is.
+include(CheckPIESupported)
+check_pie_supported()
+add_link_options(LINKER:-z,relro LINKER:-z,now)
+if(NOT OVOID_SANITIZE)
+  add_compile_options(-Wformat -Werror=format-security -fstack-protector-strong -fstack-clash-protection $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE$<SEMICOLON>-D_FORTIFY_SOURCE=2>)
+endif()
+
 add_library(ovoid_flags INTERFACE)
 # -ffp-contract=off: results do not depend on what the compiler chooses to fuse; SIMD code asks for fused operations by name.
 target_compile_options(ovoid_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
@@ -38,6 +49,9 @@ function(ovoid_optimise target level)
     target_compile_options(${target} PRIVATE -O0)
   else()
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O${level}>)
+    if(level STREQUAL "0")  # what is not optimised cannot be checked
+      target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-U_FORTIFY_SOURCE>)
+    endif()
   endif()
 endfunction()
 

@@ -11,5 +11,8 @@ vtk_module_wrap_python(MODULES ${mapper_modules} PYTHON_PACKAGE ovoid_vtk MODULE
 # From ${python_destination}/ovoid_vtk to where the library is installed.
 cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_LIBDIR BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX}/${python_destination}/ovoid_vtk
            OUTPUT_VARIABLE to_library)
-set_target_properties(vtkOvoidPython PROPERTIES INSTALL_RPATH "$ORIGIN/${to_library}" UNITY_BUILD OFF)
+# And where it is built.
+cmake_path(RELATIVE_PATH CMAKE_LIBRARY_OUTPUT_DIRECTORY BASE_DIRECTORY ${CMAKE_BINARY_DIR}/${python_destination}/ovoid_vtk
+           OUTPUT_VARIABLE to_built_library)
+set_target_properties(vtkOvoidPython PROPERTIES INSTALL_RPATH "$ORIGIN/${to_built_library};$ORIGIN/${to_library}" UNITY_BUILD OFF)
 set(mapper_python_path ${CMAKE_BINARY_DIR}/${python_destination})  # for the tests, beside what is built

@@ -11,10 +11,11 @@ declare -A checks=(
   [unity]="python3 scripts/check_unity.py"
   [format]="scripts/check_format.sh"
   [licences]="python3 scripts/check_licences.py build/release/bin/ovoid build/release/bin/ovoid-viewer build/release/bin/ovoid-read build/release/bin/ovoid-read-vdb scripts/licences.txt"
+  [hardening]="python3 scripts/check_binaries.py --hardened build/release/bin/ovoid build/release/bin/ovoid-viewer build/release/bin/ovoid-mpi build/release/bin/ovoid-read build/release/bin/ovoid-read-vdb build/release/bin/libovoid.so build/release/python"
   [tidy]="python3 scripts/check_tidy.py"
 )
 names=("$@")
-((${#names[@]})) || names=(text dependencies references unity format licences tidy)
+((${#names[@]})) || names=(text dependencies references unity format licences hardening tidy)
 
 passed=0
 failed=0

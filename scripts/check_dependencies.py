@@ -21,7 +21,7 @@ PUBLIC = {
     "camera.h": "view", "transfer_function.h": "view", "transfer_function_2d.h": "view", "look.h": "view", "image.h": "view",
     "render_options.h": "view", "depth_limits.h": "view", "space_part.h": "view", "deep_image.h": "view", "label_style.h": "view", "crop.h": "view", "framing.h": "view", "trail.h": "view", "further_volumes.h": "view", "channels.h": "view",
     "annotate.h": "annotate",
-    "io.h": "io", "encode.h": "io",
+    "io.h": "io", "encode.h": "io", "output_files.h": "io",
     "lattice_file.h": "io",
     "renderer.h": "render", "sampler.h": "render", "pick.h": "render", "devices.h": "render", "value_plane.h": "render", "render_surface.h": "render", "render_mesh.h": "render", "geometry.h": "render", "render_points.h": "render",
     "ovoid.h": "everything",

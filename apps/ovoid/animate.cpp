@@ -466,10 +466,10 @@ void draw_frames(const std::vector<PlannedFrame>& plan, const std::vector<std::i
       record.add(number, key_of(frame, settings));
       ++done;
     }
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::kCancelled) {
+  } catch (const Error&) {
+    if (const std::size_t num_whole = plan.size() - missing.size() + done; num_whole > 0) {
       session.note(fmt::format("{} of {} frames are there; the same command goes on from them",
-                               plan.size() - missing.size() + done, plan.size()));
+                               num_whole, plan.size()));
     }
     throw;
   }
@@ -489,22 +489,44 @@ void remove_frames(const std::string& folder) {
   fs::remove(folder, ignored);
 }
 
-// The caller's own, so that nobody else can put links in the frames' place.
-void make_folder(const std::string& folder) {
+// The caller's own, so that nobody else can put links in the frames' place. False: it is there.
+bool make_folder(const std::string& folder) {
   std::error_code error;
-  fs::create_directory(folder, error);
+  const bool is_made = fs::create_directory(folder, error);
   if (error) {
     throw Error(ErrorCode::kFileWrite,
                 fmt::format("{}: cannot be made: {}", folder, error.message()));
   }
   struct stat info {};
   if (lstat(folder.c_str(), &info) == 0 && S_ISDIR(info.st_mode) && info.st_uid == geteuid())
-    return;
+    return is_made;
   throw Error(ErrorCode::kFileWrite,
               fmt::format("{}: is a link or another user's: remove it, or choose another name for "
                           "the film",
                           folder));
 }
+
+// The folder of a film's frames: gone with the frames when the film is made, and when the command
+// fails before a frame is there from which it can go on.
+class FilmFolder {
+ public:
+  // `path`: empty for pictures, which need none. The record is that of the frames in it.
+  FilmFolder(std::string path, const FrameRecord& record)
+      : path_(std::move(path)), record_(record), is_new_(!path_.empty() && make_folder(path_)) {}
+  ~FilmFolder() {
+    if (is_done_ || (is_new_ && record_.is_empty())) remove_frames(path_);
+  }
+  FilmFolder(const FilmFolder&) = delete;
+  FilmFolder& operator=(const FilmFolder&) = delete;
+
+  void set_done() noexcept { is_done_ = !path_.empty(); }
+
+ private:
+  std::string path_;
+  const FrameRecord& record_;
+  bool is_new_;
+  bool is_done_ = false;
+};
 
 std::vector<std::string> paths_of(const std::vector<InputFile>& files) {
   std::vector<std::string> paths;
@@ -541,9 +563,9 @@ void run_animate(const Words& words, Session& session) {
   const FrameNames names(pattern_of(animate));
   if (!makes_film)
     check_frames_are_no_inputs(animate, names, static_cast<std::int64_t>(plan.size()));
-  if (makes_film) make_folder(folder_of_film(animate.output));
   const std::uint64_t settings = settings_key(session.command_line(), paths_of(inputs_of(animate)));
   FrameRecord record(names);
+  FilmFolder folder(makes_film ? folder_of_film(animate.output) : "", record);
   const auto missing = missing_frames(plan, record, settings, session);
   if (!missing.empty()) {
     SceneAtTime scenery = make_scenery(series, chosen, flags, &animate, session);
@@ -565,7 +587,7 @@ void run_animate(const Words& words, Session& session) {
   make_film(
       {animate.output, pattern_of(animate), static_cast<std::int64_t>(plan.size()), animate.fps},
       ffmpeg, session);
-  remove_frames(folder_of_film(animate.output));
+  folder.set_done();
 }
 
 }  // namespace ovoid::cli

@@ -53,7 +53,7 @@ void tell(std::string_view text) noexcept {
 
 int complain(std::string_view message, int exit_code) noexcept {
   try {
-    tell(fmt::format("ovoid: error: {}\n", one_line(std::string(message))));
+    tell(fmt::format("ovoid: error: {}\n", message_line(std::string(message))));
   } catch (const std::bad_alloc&) {
     tell("ovoid: error: out of memory\n");
   }
@@ -96,6 +96,21 @@ std::string one_line(const std::string& text) {
     if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
   }
   return line;
+}
+
+std::string message_line(const std::string& text) {
+  constexpr std::string_view kGap = " ... ";
+  constexpr std::size_t kTail = kMaxMessageSize / 4;
+  if (text.size() <= kMaxMessageSize) return one_line(text);
+  // Between characters of UTF-8.
+  const auto is_inside = [&](std::size_t at) {
+    return (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80U;
+  };
+  std::size_t head = kMaxMessageSize - kTail - kGap.size();
+  std::size_t tail = text.size() - kTail;
+  while (head > 0 && is_inside(head)) --head;
+  while (tail < text.size() && is_inside(tail)) ++tail;
+  return one_line(fmt::format("{}{}{}", text.substr(0, head), kGap, text.substr(tail)));
 }
 
 }  // namespace ovoid::cli

@@ -43,4 +43,10 @@ int complain_of_exception() noexcept;
 // Text as one printable line: control characters, which file names may hold, become '?'.
 std::string one_line(const std::string& text);
 
+// An error or a note as people are told it, wherever it was made: one printable line, of which a
+// long one keeps its head, which names the thing, and its tail, which says what was expected.
+// Damaged files may put anything between these.
+inline constexpr std::size_t kMaxMessageSize = 980;  // with "ovoid: error: " at most 1,000 bytes
+std::string message_line(const std::string& text);
+
 }  // namespace ovoid::cli

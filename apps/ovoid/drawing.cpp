@@ -159,6 +159,11 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
     leave_slices_to_labels(subject.scenery.labels, subject.scenery.slices);
   } else {
     subject.scenery.labels = make_labels_beside(*drawing, session);
+    const std::shared_ptr<const LabelMap>& map = subject.scenery.labels.map;
+    if (map != nullptr &&
+        !map->geometry().world_bounds().intersects(subject.modelled.field.world_bounds()))
+      session.note(fmt::format("--labels: '{}' lies outside of the data, nowhere within them",
+                               drawing->labels.file));
   }
   subject.further = drawing->channels.names.empty() ? make_over(*drawing, drawn, session)
                                                     : make_channels(drawn, *drawing, session);

@@ -2,9 +2,11 @@
 // ovoid fit: fewer kernels for a field, with a stated error.
 #include "check_files.h"
 #include "command.h"
+#include "console.h"
 #include "load.h"
 #include "make_fit.h"
 #include "ovoid/io.h"
+#include "ovoid/output_files.h"
 #include "report_rows.h"
 
 namespace ovoid::cli {
@@ -31,6 +33,7 @@ void run_fit(const Words& words, Session& session) {
   const Dataset dataset = load(fit.data, session);
   require_values(dataset, "fit");
   const Stopwatch watch;
+  FilesTogether files;
   const FitReport report = [&] {
     Progress progress("fitting");
     return make_fit(dataset, flags, fit, session, progress.callback());
@@ -38,6 +41,9 @@ void run_fit(const Words& words, Session& session) {
   const double seconds = watch.ms() / 1000;
   if (!fit.report.empty()) write_file(fit.report, json_of(report, seconds).dump(2) + "\n");
   print_rows(rows_of(report, dataset.kind, seconds));
+  flush_out();
+  session.check_stop();
+  files.commit();
 }
 
 }  // namespace ovoid::cli

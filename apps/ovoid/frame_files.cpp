@@ -16,6 +16,7 @@
 #include <optional>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -142,11 +143,14 @@ FrameRecord::FrameRecord(FrameNames names) : names_(std::move(names)) {
     fields >> std::hex >> entry.key >> entry.content;
     if (fields && std::getline(fields >> std::ws, name)) entries_[name] = entry;
   }
-  // Anew, so that it does not grow from run to run.
+}
+
+// Anew, so that it does not grow from run to run.
+void FrameRecord::write() const {
   std::string text = std::string(kFirstLine) + '\n';
   for (const auto& [name, entry] : entries_)
     text += fmt::format("{:016x} {:016x} {}\n", entry.key, entry.content, name);
-  write_file(path, text);
+  write_file(names_.record_path(), text);
 }
 
 bool FrameRecord::is_whole(std::int64_t number, std::uint64_t key) const {
@@ -164,9 +168,10 @@ void FrameRecord::add(std::int64_t number, std::uint64_t key) {
   if (!bytes) refuse_to_write(path);
   const Entry entry{key, hash_of(*bytes)};
   entries_[name] = entry;
+  if (!std::exchange(is_written_, true)) return write();
   const std::string record = names_.record_path();
-  // Lines are added to the file that the constructor has made: a whole one for each frame would be
-  // quadratic, and of a line that is cut short no frame is believed.
+  // Later lines are added to the file of the first: a whole one for each frame would be quadratic,
+  // and of a line that is cut short no frame is believed.
   const int file = ::open(record.c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC);
   if (file < 0) refuse_to_write(record);
   const bool is_written =

@@ -41,19 +41,24 @@ std::uint64_t settings_key(const std::string& command_line, const std::vector<st
 // damaged, replaced or made otherwise is not among them.
 class FrameRecord {
  public:
-  // Reads what is there, if anything. Throws Error(kFileWrite) if it cannot be written.
+  // Reads what is there, if anything, and writes nothing before the first frame is there: a run
+  // that fails before leaves nothing. Throws Error(kFileWrite) for a file that is not a record.
   explicit FrameRecord(FrameNames names);
 
   // Whether the frame's file is there and as it was when it was recorded under this key.
   bool is_whole(std::int64_t number, std::uint64_t key) const;
   // Throws Error(kFileWrite).
   void add(std::int64_t number, std::uint64_t key);
+  bool is_empty() const noexcept { return entries_.empty(); }
 
  private:
   struct Entry {
     std::uint64_t key = 0, content = 0;
   };
+  void write() const;
+
   FrameNames names_;
+  bool is_written_ = false;               // by this run
   std::map<std::string, Entry> entries_;  // by the file's name without folder
 };
 

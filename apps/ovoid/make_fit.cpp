@@ -3,12 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-
 #include "make_field.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "ovoid/lattice_file.h"
+#include "ovoid/output_files.h"
 #include "usage.h"
 
 namespace ovoid::cli {
@@ -83,7 +82,7 @@ void fit_levels(const Dataset& dataset, const FitOptions& options, const std::st
   LatticeFileWriter writer(output, header, {options.stop});
   writer.write_levels({&levels, 1});
   writer.finish();
-  report.bytes = static_cast<std::int64_t>(std::filesystem::file_size(output));
+  report.bytes = size_of_written(output);
 }
 
 }  // namespace

@@ -216,6 +216,8 @@ Scenery make_scenery(const GeometryFlags& flags, const Field& field, Session& se
     const std::string& path = flags.files[i];
     all.geometry.push_back(styled_surface(
         flags, i, surface_of_faces(read_faces(path, session), path, flags, i, session)));
+    if (!all.geometry.back().surface->bounds.intersects(field.world_bounds()))
+      session.note(fmt::format("'{}' lies outside of the data, nowhere within them", path));
   }
   if (flags.slices.empty()) return all;
   all.slices = make_slices(flags, field, histogram_of(field, session.stop()));

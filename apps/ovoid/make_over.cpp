@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -116,25 +117,58 @@ FurtherVolume make_over_volume(const DrawingFlags& drawing, std::size_t i, Space
   return {*modelled.field.lattice(), std::move(look)};
 }
 
-std::shared_ptr<const std::vector<FurtherVolume>> make_over(const DrawingFlags& drawing,
-                                                            const Dataset& dataset,
-                                                            Session& session) {
+std::string out_of_sight(const Bounds3& volume, const Bounds3& picture) {
+  // At this distance, in sizes of the larger, neither takes more than a few pixels of a picture of
+  // both; and at this ratio of sizes the smaller takes none.
+  constexpr double kFarthest = 100;
+  constexpr double kGreatestRatio = 1e4;
+  const double size = volume.diagonal().stableNorm(), other = picture.diagonal().stableNorm();
+  const Vec3 gap = (picture.min() - volume.max()).cwiseMax(volume.min() - picture.max());
+  const double distance = gap.cwiseMax(0.0).stableNorm();
+  if (!(distance <= kFarthest * std::max(size, other)))
+    return fmt::format("lies outside, {:.3g} away from the picture's volume, whose size is {:.3g}",
+                       distance, other);
+  if (!(std::max(size, other) <= kGreatestRatio * std::min(size, other)))
+    return fmt::format("has the size {:.3g}, the picture's volume {:.3g}", size, other);
+  return "";
+}
+
+std::vector<OverVolume> make_over_volumes(const DrawingFlags& drawing, const Dataset& dataset,
+                                          Session& session) {
   const OverFlags& over = drawing.over;
-  if (over.files.empty()) return nullptr;
   if (over.files.size() > kMostFurtherVolumes) {
     throw UsageError(fmt::format("--over: given {} times, expected at most {}", over.files.size(),
                                  kMostFurtherVolumes));
   }
   require_as_many(over);
-  std::vector<FurtherVolume> volumes;
-  Bounds3 all = dataset.lattice.world_bounds();
+  std::vector<OverVolume> volumes;
+  const Bounds3 picture = dataset.lattice.world_bounds();
+  Bounds3 all = picture;
   for (std::size_t i = 0; i < over.files.size(); ++i) {
-    volumes.push_back(make_over_volume(drawing, i, dataset.space, session));
-    const Bounds3 own = volumes.back().field.world_bounds();
+    FurtherVolume volume = make_over_volume(drawing, i, dataset.space, session);
+    const Bounds3 own = volume.field.world_bounds();
+    if (const std::string why = out_of_sight(own, picture); !why.empty()) {
+      session.note(
+          fmt::format("'{}' {}: it is left out (--over-transform, or the unit of lengths, "
+                      "may be another's)",
+                      over.files[i], why));
+      continue;
+    }
     if (!own.intersects(all))
       session.note(fmt::format("'{}' lies beside the others, nowhere within them", over.files[i]));
     all.extend(own);
+    volumes.push_back({i, std::move(volume)});
   }
+  return volumes;
+}
+
+std::shared_ptr<const std::vector<FurtherVolume>> make_over(const DrawingFlags& drawing,
+                                                            const Dataset& dataset,
+                                                            Session& session) {
+  if (drawing.over.files.empty()) return nullptr;
+  std::vector<FurtherVolume> volumes;
+  for (OverVolume& made : make_over_volumes(drawing, dataset, session))
+    volumes.push_back(std::move(made.volume));
   return further_volumes(std::move(volumes));
 }
 

@@ -2,7 +2,9 @@
 // --over: other volumes in the same picture.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "ovoid/dataset.h"
@@ -12,8 +14,22 @@
 
 namespace ovoid::cli {
 
-// The volumes of --over, each with its look, in the world of `dataset`, which the picture is of;
-// null: there are none. Throws Error.
+// Why nothing of a volume would be seen in a picture of another one: it is too far away, too large
+// or too small. Empty: it may be seen. Such volumes cost time and memory, since the picture's view,
+// sheets and light would span both.
+std::string out_of_sight(const Bounds3& volume, const Bounds3& picture);
+
+struct OverVolume {
+  std::size_t number;  // of --over
+  FurtherVolume volume;
+};
+
+// The volumes of --over, each with its look, in the world of `dataset`, which the picture is of. A
+// note names those that are left out, since they are out of sight. Throws Error.
+std::vector<OverVolume> make_over_volumes(const DrawingFlags& drawing, const Dataset& dataset,
+                                          Session& session);
+
+// The same as a picture takes them; null: there are none.
 std::shared_ptr<const std::vector<FurtherVolume>> make_over(const DrawingFlags& drawing,
                                                             const Dataset& dataset,
                                                             Session& session);

@@ -3,11 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-
 #include "make_field.h"
 #include "ovoid/io.h"
 #include "ovoid/lattice_file.h"
+#include "ovoid/output_files.h"
 #include "usage.h"
 #include "values.h"
 
@@ -104,7 +103,7 @@ Simplified make_simplified(const Dataset& dataset, const Flags& flags,
       {session.stop()});
   writer.write_boxes({&boxes, 1});
   writer.finish();
-  done.bytes = static_cast<std::int64_t>(std::filesystem::file_size(simplify.output));
+  done.bytes = size_of_written(simplify.output);
   done.seconds = watch.ms() / 1000;
   return done;
 }

@@ -17,6 +17,7 @@
 #include "make_trail.h"
 #include "ovoid/io.h"
 #include "ovoid/model.h"
+#include "ovoid/output_files.h"
 #include "picking.h"
 #include "picture_part.h"
 #include "profile.h"
@@ -350,9 +351,12 @@ void run_render(const Words& words, Session& session) {
     write_out(predict({drawn, camera, drawing.options, drawing.run, render.output}, session));
     return;
   }
+  FilesTogether files;
   if (render.part) {
     write_part(render, drawn, camera, session);
     if (!render.look_output.empty()) write_look(saved_look, render.look_output);
+    session.check_stop();
+    files.commit();
     return;
   }
   Image image;
@@ -373,6 +377,9 @@ void run_render(const Words& words, Session& session) {
   }
   if (!render.look_output.empty()) write_look(saved_look, render.look_output);
   if (session.team() == nullptr) tell_times(render, profile, session);
+  flush_out();
+  session.check_stop();
+  files.commit();
 }
 
 }  // namespace ovoid::cli

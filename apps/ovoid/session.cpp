@@ -62,7 +62,7 @@ Session::Session(Tell tell, std::stop_token stop)
 
 void Session::note(const std::string& text) {
   if (num_quiet_ > 0) return;
-  const std::string line = one_line(text);
+  const std::string line = message_line(text);
   if (std::find(told_.begin(), told_.end(), line) != told_.end()) return;
   told_.push_back(line);
   tell_(line);

@@ -2,8 +2,11 @@
 // ovoid simplify: runs and boxes of samples that one primitive stands for.
 #include "check_files.h"
 #include "command.h"
+#include "console.h"
 #include "load.h"
 #include "make_simplified.h"
+#include "ovoid/io.h"
+#include "ovoid/output_files.h"
 #include "report_rows.h"
 
 namespace ovoid::cli {
@@ -21,12 +24,16 @@ void run_simplify(const Words& words, Session& session) {
   take_from_model(&simplify.data, &simplify.model);
 
   const Dataset dataset = load(simplify.data, session);
+  FilesTogether files;
   const Simplified done = [&] {
     Progress progress("simplifying");
     return make_simplified(dataset, flags, simplify, session, progress.callback());
   }();
   if (!simplify.report.empty()) write_file(simplify.report, json_of(done).dump(2) + "\n");
   print_rows(rows_of(done));
+  flush_out();
+  session.check_stop();
+  files.commit();
 }
 
 }  // namespace ovoid::cli

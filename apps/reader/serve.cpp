@@ -15,6 +15,7 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <mutex>
 #include <new>
 #include <span>
 #include <string>
@@ -23,17 +24,19 @@
 
 #include "io/core/memory.h"
 #include "io/core/row_share.h"
+#include "io/core/work_done.h"
 #include "io/reader/reader_messages.h"
 #include "ovoid/error.h"
 #include "sandbox.h"
+#include "unwritten.h"
 
 namespace ovoid::reader {
 namespace {
 
 namespace fs = std::filesystem;
 
-// What files write into messages may be long.
-constexpr std::size_t kMaxMessage = 1000;
+// What files write into messages may be long; who shows them makes them shorter.
+constexpr std::size_t kMaxMessage = std::size_t{1} << 16;
 
 // Nobody needs to hear of less.
 constexpr double kProgressStep = 0.01;
@@ -83,11 +86,10 @@ class Server {
     request.options.progress = [&](double fraction) {
       if (fraction < told + kProgressStep) return;
       told = fraction;
-      std::array<std::uint8_t, sizeof(double)> bytes{};
-      std::memcpy(bytes.data(), &fraction, sizeof(double));
-      link_.send(io::LinkMessage::kProgress, bytes);
+      tell(io::LinkMessage::kProgress, fraction);
     };
-    Dataset dataset = read_here_(request);
+    io::set_work_listener([&](std::int64_t num_bytes) { tell(io::LinkMessage::kWork, num_bytes); });
+    Dataset dataset = read_what_is_written(request, read_here_);
     io::cut_to_share(dataset, request.options.share);
     if (const std::string refused = take_refused_file(); !refused.empty())
       dataset.notes.push_back(refused_text(refused));
@@ -97,6 +99,14 @@ class Server {
              fmt::format("{}: the names of its arrays take {} bytes: at most {} are read", source_,
                          answer.description.size(), io::kMaxLinkMessage));
     }
+  }
+
+  template <typename Number>
+  void tell(io::LinkMessage type, Number number) const {
+    std::array<std::uint8_t, sizeof(Number)> bytes{};
+    std::memcpy(bytes.data(), &number, sizeof(Number));
+    const std::lock_guard lock(telling_);  // readers may work in many threads
+    link_.send(type, bytes);
   }
 
   void refuse(ErrorCode code, std::string what) {
@@ -118,6 +128,7 @@ class Server {
   }
 
   io::ReaderLink link_;
+  mutable std::mutex telling_;
   ReadHere read_here_;
   std::string source_;
   bool is_in_sandbox_ = false;

@@ -267,7 +267,7 @@ void App::take_pictures() {
     try {
       save_the_picture(*std::exchange(picture_wish_, std::nullopt));
     } catch (const Error& error) {
-      tell(cli::one_line(error.what()), true);
+      tell(cli::message_line(error.what()), true);
     }
   }
 }

@@ -88,7 +88,7 @@ void App::take_load_reports() {
       try {
         document_.take(*ready, aspect());
       } catch (const Error& error) {  // a camera that cannot be
-        tell(cli::one_line(error.what()), true);
+        tell(cli::message_line(error.what()), true);
       }
       watch_files();
       time_version_ = document_.version();
@@ -124,7 +124,7 @@ void App::remember(const cli::DataFlags& data) {
   try {
     memory_.add_recent(recent_input(data));
   } catch (const std::exception& error) {
-    if (!std::exchange(has_told_of_memory_, true)) tell(cli::one_line(error.what()), true);
+    if (!std::exchange(has_told_of_memory_, true)) tell(cli::message_line(error.what()), true);
   }
 }
 
@@ -178,7 +178,7 @@ void App::open(const std::vector<std::string>& words) {
     launch->drawing.run = document_.is_open() ? document_.setup : launch_->drawing.run;
     loader_->open(std::move(launch));
   } catch (const std::exception& error) {
-    tell(cli::one_line(error.what()), true);
+    tell(cli::message_line(error.what()), true);
   }
 }
 
@@ -214,7 +214,7 @@ void App::read_look_file(const std::string& path) {
     document_.touch();
     tell("look of " + path);
   } catch (const std::exception& error) {
-    tell(cli::one_line(error.what()), true);
+    tell(cli::message_line(error.what()), true);
   }
 }
 
@@ -276,7 +276,7 @@ void App::grant(Wishes wishes) {
       loader_->choose(*wishes.array);
     }
   } catch (const std::exception& error) {
-    tell(cli::one_line(error.what()), true);
+    tell(cli::message_line(error.what()), true);
   }
   if (wishes.goes_to_time) {
     played_time_ = document_.time.now;

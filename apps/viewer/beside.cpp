@@ -67,6 +67,10 @@ std::shared_ptr<const VolumeBeside> read_volume(const VolumeSource& source, std:
   drawing.over.arrays.assign(number + 1, source.array);
   drawing.over.transforms.assign(number + 1, source.transform);
   FurtherVolume volume = cli::make_over_volume(drawing, number, beside.data.space, session);
+  const std::string why =
+      cli::out_of_sight(volume.field.world_bounds(), beside.data.lattice.world_bounds());
+  if (!why.empty())
+    throw Error(ErrorCode::kInvalidArgument, fmt::format("'{}' {}", source.file, why));
   if (!volume.field.world_bounds().intersects(beside.data.lattice.world_bounds()))
     session.note(fmt::format("'{}' lies beside the data, nowhere within them", source.file));
   return made_volume(source, std::move(volume), session);
@@ -153,15 +157,14 @@ std::vector<std::shared_ptr<const VolumeBeside>> volumes_beside(const Dataset& d
                                                                 const cli::DrawingFlags& opened,
                                                                 cli::Session& session) {
   std::vector<std::shared_ptr<const VolumeBeside>> all;
-  const auto volumes = cli::make_over(opened, data, session);
-  if (volumes == nullptr) return all;
   const cli::OverFlags& over = opened.over;
   const auto said = [](const std::vector<std::string>& words, std::size_t i) {
     return i < words.size() ? words[i] : std::string();
   };
-  for (std::size_t i = 0; i < volumes->size(); ++i) {
+  for (cli::OverVolume& made : cli::make_over_volumes(opened, data, session)) {
+    const std::size_t i = made.number;
     all.push_back(made_volume({over.files[i], said(over.arrays, i), said(over.transforms, i)},
-                              (*volumes)[i], session));
+                              std::move(made.volume), session));
   }
   return all;
 }
@@ -181,7 +184,7 @@ BesideRead read_beside(const BesideTask& task, const Dataset& data, const cli::D
       if (task.use == BesideUse::kDrop && may_be_data(path)) {
         read.data.push_back(path);
       } else {
-        read.errors.push_back(cli::one_line(error.what()));
+        read.errors.push_back(cli::message_line(error.what()));
       }
     }
   };

@@ -121,7 +121,7 @@ FitOutcome Fitter::Impl::serve(const FitTask& task, const std::stop_token& token
   } catch (const std::bad_alloc&) {
     return {nullptr, "out of memory"};
   } catch (const std::exception& error) {
-    return {nullptr, cli::one_line(error.what())};
+    return {nullptr, cli::message_line(error.what())};
   }
 }
 

@@ -470,7 +470,7 @@ void Loader::Impl::count_2d(const std::shared_ptr<const Shown>& shown,
       if (asked_2d == shown) asked_2d.reset();  // it may be asked for again
       return;
     }
-    counted.error = cli::one_line(error.what());
+    counted.error = cli::message_line(error.what());
   }
   report(std::move(counted));
 }
@@ -522,11 +522,11 @@ void Loader::Impl::run() {
         work_out_extras(extra_token);
       }
     } catch (const Error& error) {
-      if (error.code() != ErrorCode::kCancelled) message = cli::one_line(error.what());
+      if (error.code() != ErrorCode::kCancelled) message = cli::message_line(error.what());
     } catch (const std::bad_alloc&) {
       message = "out of memory";
     } catch (const std::exception& error) {
-      message = cli::one_line(fmt::format("unexpected: {}", error.what()));
+      message = cli::message_line(fmt::format("unexpected: {}", error.what()));
     }
     if (!message.empty()) report(LoadFailed{message, opening.has_value(), solid.has_value()});
     lock.lock();

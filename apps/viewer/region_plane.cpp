@@ -164,6 +164,7 @@ const char* name_of(Grip grip) {
   constexpr std::array kNames = {"none",     "body",      "left",        "right",
                                  "bottom",   "top",       "bottom-left", "bottom-right",
                                  "top-left", "top-right", "left-foot",   "right-foot"};
+  static_assert(kNames.size() == static_cast<std::size_t>(Grip::kRightFoot) + 1);
   return kNames[static_cast<std::size_t>(grip)];
 }
 

@@ -257,7 +257,7 @@ Script::Script(const std::string& path) : path_(path) {
 void Script::check(const Line& line, int* depth) const {
   const auto complain = [&](const std::string& what) {
     throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}:{}: {}", path_, line.number, cli::one_line(what)));
+                fmt::format("{}:{}: {}", path_, line.number, cli::message_line(what)));
   };
   const std::string& command = line.words.front();
   const auto form = std::find_if(kForms.begin(), kForms.end(),

@@ -295,11 +295,11 @@ bool Worker::Impl::draw_all(const Request& request, const Level& level, bool is_
       }
       return false;
     }
-    done.error = cli::one_line(error.what());
+    done.error = cli::message_line(error.what());
   } catch (const std::bad_alloc&) {
     done.error = "out of memory";
   } catch (const std::exception& error) {
-    done.error = cli::one_line(error.what());
+    done.error = cli::message_line(error.what());
   }
   if (!done.error.empty()) {
     done.pictures.clear();

@@ -39,6 +39,7 @@
 #include "ovoid/look.h"
 #include "ovoid/math.h"
 #include "ovoid/model.h"
+#include "ovoid/output_files.h"
 #include "ovoid/pick.h"
 #include "ovoid/relevant.h"
 #include "ovoid/render_mesh.h"

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "console.h"
 #include "ovoid/error.h"
 #include "usage.h"
 #include "values.h"
@@ -17,9 +18,9 @@ namespace {
 
 namespace py = pybind11;
 
-void raise(ErrorCode code, const char* words) {
-  const py::object error =
-      py::module_::import("ovoid._errors").attr("error_of")(name_of(code), words);
+void raise(ErrorCode code, const std::string& words) {
+  const py::object error = py::module_::import("ovoid._errors")
+                               .attr("error_of")(name_of(code), cli::message_line(words));
   PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
 }
 

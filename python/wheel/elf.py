@@ -48,4 +48,4 @@ def read_elf(path):
     for library, entries in re.findall(r"Version: \d+  File: (\S+)  Cnt: \d+\n((?:.*Name: .*\n)*)", text):
         versions.setdefault(library, []).extend(re.findall(r"Name: (\S+)", entries))
     return Elf(re.search(r"Machine: +(.*)", text).group(1), sonames[0] if sonames else "", re.findall(r"\(NEEDED\) .*\[(.*)\]", text),
-               [folder for rpath in rpaths for folder in rpath.split(":") if folder], versions)
+               [folder for rpath in rpaths for folder in rpath.split(":")], versions)

@@ -36,9 +36,7 @@ constexpr double kBarHeight = 0.6;
 constexpr double kTitleWidth = 0.6;
 constexpr double kLabelWidth = 0.3;
 
-bool has_opacity(Mode mode) {
-  return mode == Mode::kComposite || mode == Mode::kMaximum || mode == Mode::kMean;
-}
+bool has_opacity(Mode mode) { return mode != Mode::kXray && mode != Mode::kIsosurface; }
 
 bool is_lit(const Look& look) {
   return look.shade && (look.mode == Mode::kComposite || look.mode == Mode::kIsosurface);

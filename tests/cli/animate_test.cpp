@@ -197,6 +197,19 @@ TEST(Animate, AFileOfSomebodyElseIsNoRecord) {
   EXPECT_EQ(folder.num_files(), 3U);
 }
 
+// Fails if a command that has drawn nothing leaves its record, or the folder of a film's frames.
+// The second volume is there when the flags are checked and has no samples when it is read.
+TEST(Animate, LeavesNothingIfNoFrameIsThere) {
+  const Folder folder;
+  const std::string steps = write_steps(folder);
+  write_file(folder / "over.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 8 8 8\n\n");
+  for (const char* const name : {"fr%d.png", "film.gif"}) {
+    expect_failure(animate(steps, folder / name, {"--over", folder / "over.nrrd"}), 1,
+                   {"over.nrrd"});
+    EXPECT_EQ(folder.num_files(), 2U) << name;
+  }
+}
+
 // A program called ffmpeg that writes its arguments, one a line, into the film.
 class FakeFfmpeg {
  public:

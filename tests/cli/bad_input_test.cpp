@@ -299,6 +299,18 @@ TEST_F(BadInput, TheFuelHeaderThatLiesAboutItsEncoding) {
   }
 }
 
+// Fails if what is built looks for libraries where it is called: in the folder of the data.
+TEST_F(BadInput, LibrariesBesideTheDataAreNotLoaded) {
+  for (const char* const name : {"libc.so.6", "libm.so.6", "libstdc++.so.6", "libblosc.so.1",
+                                 "libfmt.so.9", "libvtkCommonCore-9.1.so.1", "libz.so.1"})
+    write_file(folder_ / name, "no library");
+  const auto in_folder = [&] { ASSERT_EQ(chdir((folder_ / "").c_str()), 0); };
+  expect_success({"make", "fin", "-o", folder_ / "fin.vtu"});
+  const Outcome result = run_after(in_folder, {"info", "fin.vtu"});
+  EXPECT_TRUE(result.exit_code == 0 || result.err.find("no VTK") != std::string::npos)
+      << result.err;
+}
+
 TEST_F(BadInput, RealVolumesDrawWithoutFlags) {
   bool is_any_there = false;
   for (const char* const name : {"headsq/quarter.nhdr", "hydrogen_ironprot/hydrogen.vti",

@@ -27,13 +27,16 @@ class Composite : public testing::Test {
 
 // In any order.
 TEST_F(Composite, PartsMakeThePicture) {
-  for (const char* const mode : {"composite", "xray", "maximum"}) {
+  for (const char* const mode : {"composite", "xray", "maximum", "minimum", "mean", "isosurface"}) {
+    Words flags = {"--mode", mode};
+    if (flags.back() == "isosurface") flags.insert(flags.end(), {"--iso", "0.5"});
     const std::string whole = folder_ / "whole.npy";
-    expect_success(part("1/2", first_, {"--mode", mode}));
-    expect_success(part("2/2", second_, {"--mode", mode}));
+    expect_success(part("1/2", first_, flags));
+    expect_success(part("2/2", second_, flags));
     expect_success({"composite", second_, first_, "-o", picture_});
-    expect_success(
-        {"render", head_, "--size", "80x60", "--sheets", "image", "--mode", mode, "-o", whole});
+    Words words = {"render", head_, "--size", "80x60", "--sheets", "image", "-o", whole};
+    words.insert(words.end(), flags.begin(), flags.end());
+    expect_success(words);
     const Picture together = read_npy(picture_);
     const Picture alone = read_npy(whole);
     ASSERT_EQ(together.rgba.size(), alone.rgba.size());

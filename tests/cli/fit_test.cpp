@@ -50,6 +50,19 @@ TEST_F(Fit, MeshesBecomeFewKernels) {
   EXPECT_GT(read_file(few).size(), 18U * 1024);
 }
 
+// Fails if kernels or their report are left where the command has failed.
+TEST_F(Fit, LeavesNothingIfItsAnswerGetsNowhere) {
+  const std::string ball = write_ball(folder_), few = folder_ / "few.h5";
+  if (!has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  const Words words = {"fit", ball, "-o", few, "--kernels", "50", "--report", folder_ / "r.json"};
+  const std::size_t before = folder_.num_files();
+  const Outcome result = run_after([] { dup2(open("/dev/full", O_WRONLY), STDOUT_FILENO); }, words);
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_EQ(folder_.num_files(), before);
+  EXPECT_EQ(run(words).exit_code, 0);
+  EXPECT_EQ(folder_.num_files(), before + 2);
+}
+
 // Fails if fitted kernels are drawn beyond the mesh, or end before it, or if its walls have other
 // colours than the fit.
 TEST_F(Fit, KernelsAreDrawnWithinTheMesh) {

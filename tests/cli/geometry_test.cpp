@@ -192,6 +192,19 @@ TEST_F(GeometryFiles, WhatIsNoSurface) {
 }
 
 // Fails if a line or a point is not drawn, or is as thick as another.
+// Fails if nobody hears that what was added is nowhere to be seen.
+TEST_F(GeometryFiles, OutsideOfTheDataIsTold) {
+  const auto said = [&](const std::string& path) {
+    return run({"render", ball_, "--add", path, "--size", "20x20", "-o", folder_ / "p.png"}).err;
+  };
+  EXPECT_EQ(said(obj_).find("lies outside"), std::string::npos);
+  for (const char* const x : {"5", "1e9", "1e30"}) {
+    std::ofstream(folder_ / "far.obj")
+        << "v " << x << " 0 0\nv " << x << " 1 0\nv " << x << " 0 1\nf 1 2 3\n";
+    EXPECT_NE(said(folder_ / "far.obj").find("lies outside of the data"), std::string::npos) << x;
+  }
+}
+
 TEST_F(GeometryFiles, LinesAreTubesAndPointsAreBalls) {
   const std::string line = folder_ / "line.obj", points = folder_ / "points.csv";
   std::ofstream(line) << "v -0.9 -2 0\nv 0 -2 0\nv 0.9 -2 0\nl 1 2 3\n";

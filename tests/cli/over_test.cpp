@@ -134,6 +134,49 @@ TEST_F(OverFiles, LiesBeside) {
   EXPECT_NE(outcome.err.find("lies beside the others"), std::string::npos) << outcome.err;
 }
 
+// Fails if a volume that nothing is seen of is drawn all the same: then the view, the sheets and
+// the light span both, and nothing of the picture's own volume is seen either.
+TEST_F(OverFiles, OutOfSightIsLeftOut) {
+  const std::string alone = folder_ / "alone.npy", both = folder_ / "both.npy";
+  const auto drawn = [&](const std::string& file, const Words& more) {
+    Words all{"render", ball_, "-o", file, "--size", "20x20", "--backend", "cpu"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome outcome = run(all);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.err;
+  };
+  drawn(alone, {});
+  const auto matrix = [](const std::string& scale, const std::string& shift) {
+    return scale + " 0 0 " + shift + "\n0 " + scale + " 0 0\n0 0 " + scale + " 0\n0 0 0 1\n";
+  };
+  const auto left_out = [&](const std::string& transform, const std::string& word) {
+    write_file(folder_ / "far.txt", transform);
+    const std::string said =
+        drawn(both, {"--over", spots_, "--over-transform", folder_ / "far.txt"});
+    EXPECT_NE(said.find("it is left out"), std::string::npos) << said;
+    EXPECT_NE(said.find(word), std::string::npos) << said;
+    EXPECT_EQ(read_file(alone), read_file(both)) << transform;
+  };
+  left_out(matrix("1", "1e30"), "lies outside");
+  left_out(matrix("1", "-1e5"), "lies outside");
+  left_out(matrix("1", "1e308"), "lies outside");
+  left_out(matrix("1e6", "0"), "has the size");
+  left_out(matrix("1e30", "0"), "has the size");
+  left_out(matrix("1e-6", "0"), "has the size");
+  left_out(matrix("1e-30", "0"), "has the size");
+}
+
+TEST_F(OverFiles, LabelsOutsideOfTheDataAreTold) {
+  const std::string map = folder_ / "map.nrrd";
+  expect_success({"make", "head-labels", "--size", "16", "--type", "uint8", "-o", map});
+  const auto said = [&](const std::string& path) {
+    return run({"render", ball_, "--labels", path, "--size", "20x20", "-o", folder_ / "p.png"}).err;
+  };
+  EXPECT_EQ(said(map).find("lies outside"), std::string::npos);
+  EXPECT_NE(said(moved(map, "5,5,5", "far.nrrd")).find("lies outside of the data"),
+            std::string::npos);
+}
+
 TEST_F(OverFiles, RefusesWhatCannotBeDrawn) {
   const std::string out = folder_ / "out.png";
   const auto refused = [&](const Words& more, int code, const std::string& words) {

@@ -453,6 +453,24 @@ TEST_F(Render, ASavedLookDrawsTheSamePicture) {
   EXPECT_EQ(run({"render", ball_, "--dry-run", "--save-look", look}).exit_code, 2);
 }
 
+// Fails if a picture is left, or one is replaced, where the command's last answer gets nowhere.
+TEST_F(Render, SeveralFilesAreWrittenTogether) {
+  const std::string picture = folder_ / "picture.png", look = folder_ / "look.json";
+  const Words words = {"render", ball_,         "-o", picture,  "--size",
+                       "40x30",  "--save-look", look, "--pick", "20,15"};
+  const auto fill_out = [] { dup2(open("/dev/full", O_WRONLY), STDOUT_FILENO); };
+  const std::size_t before = folder_.num_files();
+  EXPECT_EQ(run_after(fill_out, words).exit_code, 1);
+  EXPECT_EQ(folder_.num_files(), before);
+  write_file(picture, "old");
+  EXPECT_EQ(run_after(fill_out, words).exit_code, 1);
+  EXPECT_EQ(read_file(picture), "old");
+  EXPECT_EQ(folder_.num_files(), before + 1);
+  expect_success(words);
+  EXPECT_NE(read_file(picture), "old");
+  EXPECT_EQ(folder_.num_files(), before + 2);
+}
+
 // Profiles
 // -------------------------------------------------------------------------------------------------
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs the build tree into a fresh folder, then configures, builds and runs the examples against it and nothing else.
 # Fails if a header, a dependency of the package file or the program is missing from what gets installed.
-#   cmake -DSOURCE=... -DBUILD=... -DWORK=... [-DWIDE=-mavx] [-DVTK=ON] [-DMAPPERS=FOLDER -DMAPPERS_PYTHON=...] -P install_test.cmake
+#   cmake -DSOURCE=... -DBUILD=... -DWORK=... -DPYTHON=... [-DHARDENED=--hardened] [-DWIDE=-mavx] [-DVTK=ON] [-DMAPPERS=FOLDER -DMAPPERS_PYTHON=...] -P install_test.cmake
 
 file(REMOVE_RECURSE ${WORK})
 set(prefix ${WORK}/prefix)
@@ -15,6 +15,9 @@ function(run)
 endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+
+# None of it looks for libraries where it is called, and releases are hardened.
+run(${PYTHON} ${SOURCE}/scripts/check_binaries.py ${HARDENED} ${prefix})
 
 file(GLOB_RECURSE public RELATIVE ${SOURCE}/include ${SOURCE}/include/*)
 file(GLOB_RECURSE installed RELATIVE ${prefix}/include ${prefix}/include/ovoid/*)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The wheels of the Python package: wheel_test.py BUILD WORK [vtk].
+"""The wheels of the Python package: wheel_test.py BUILD WORK [vtk] [--hardened].
 
 Both kinds are made of what lies in BUILD, and installed in a virtual environment. The portable one must pass its check, which must
 find each kind of damage; both must draw the bytes of BUILD's own package, and neither may load anything of BUILD. Ends with 77, which
@@ -83,6 +83,7 @@ def damage_is_found(wheel, work):
     damages = (
         (lambda root: os.remove(os.path.join(root, png)), match, r"needs libpng16-.*, which is neither in the wheel nor in every Linux"),
         (lambda root: run("patchelf", "--set-rpath", "/usr/lib/x", os.path.join(root, core)), match, r"RPATH leads out of the wheel: /usr/lib/x"),
+        (lambda root: run("patchelf", "--set-rpath", "$ORIGIN:", os.path.join(root, core)), match, r"RPATH leads out of the wheel: $"),
         (lambda root: run("patchelf", "--set-rpath", "$ORIGIN/../../x", os.path.join(root, core)), match, r"RPATH leads out of the wheel: \$ORIGIN/"),
         (lambda root: run("patchelf", "--add-needed", "libX11.so.6", os.path.join(root, core)), match, r"_core.*needs libX11.so.6"),
         (lambda root: shutil.copy(os.path.join(root, png), os.path.join(root, "ovoid.libs", "libother.so.1")), match, r"libother.so.1: nothing needs it"),
@@ -135,6 +136,8 @@ def main(build, work, *parts):
     picture, printed = draw(python, os.path.join(work, "local"), *SAMPLES, *(["v.vti"] if "vtk" in parts else []))
     demand(picture == expected, "what pip installs from the checkout draws another picture")
     demand("ovoid-read" not in printed, f"the reader was not installed: {printed}")
+    run(sys.executable, os.path.join(ROOT, "scripts", "check_binaries.py"), *(["--hardened"] if "--hardened" in parts else []),
+        glob.glob(os.path.join(work, "venv", "lib", "python3*", "site-packages", "ovoid"))[0])
     demand("/site-packages/ovoid/libovoid.so" in printed and build + "/" not in printed.replace(work, ""), f"what the wheel of the checkout loads:\n{printed}")
     return 0
 

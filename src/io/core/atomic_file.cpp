@@ -21,6 +21,7 @@
 
 #include "ovoid/error.h"
 #include "ovoid/io.h"
+#include "ovoid/output_files.h"
 
 namespace ovoid {
 namespace {
@@ -127,11 +128,92 @@ bool sync(int descriptor) noexcept {
   return true;
 }
 
+void remove_quietly(const std::string& path) noexcept { ::unlink(path.c_str()); }
+
 struct CloseFile {
   void operator()(const int* descriptor) const noexcept { ::close(*descriptor); }
 };
 
 }  // namespace
+
+// A whole file that has no name yet.
+struct NamelessFile {
+  std::string path;     // as given, for messages
+  std::string target;   // with symbolic links resolved
+  std::string partial;  // where it lies
+  std::string kept;     // what it replaces, while it may have to come back; empty: nothing
+  int slot = -1;
+  bool is_new = true;  // nothing was there
+};
+
+struct FilesTogether::Impl {
+  std::vector<NamelessFile> files;
+
+  // Under its name, with what was there before beside it.
+  void place(NamelessFile& file) const {
+    struct stat info {};
+    file.is_new = ::lstat(file.target.c_str(), &info) != 0;
+    std::string kept = fmt::format("{}.kept", file.partial);
+    if (!file.is_new && ::link(file.target.c_str(), kept.c_str()) == 0) file.kept = std::move(kept);
+    if (::rename(file.partial.c_str(), file.target.c_str()) != 0)
+      throw_cannot_write(file.path, reason(errno));
+  }
+  void take_back(NamelessFile& file) const noexcept {
+    if (!file.kept.empty())
+      ::rename(file.kept.c_str(), file.target.c_str());
+    else if (file.is_new)
+      remove_quietly(file.target);
+  }
+  void forget(NamelessFile& file) const noexcept {
+    if (!file.kept.empty()) remove_quietly(file.kept);
+    withdraw(file.slot);
+  }
+};
+
+namespace {
+
+thread_local FilesTogether::Impl* files_together = nullptr;
+
+}  // namespace
+
+FilesTogether::FilesTogether() : impl_(std::make_unique<Impl>()) { files_together = impl_.get(); }
+
+FilesTogether::~FilesTogether() {
+  files_together = nullptr;
+  for (NamelessFile& file : impl_->files) {
+    remove_quietly(file.partial);
+    impl_->forget(file);
+  }
+}
+
+void FilesTogether::commit() {
+  files_together = nullptr;
+  std::size_t num_placed = 0;
+  try {
+    for (; num_placed < impl_->files.size(); ++num_placed) impl_->place(impl_->files[num_placed]);
+  } catch (...) {
+    while (num_placed > 0) impl_->take_back(impl_->files[--num_placed]);
+    throw;
+  }
+  for (NamelessFile& file : impl_->files) {
+    impl_->forget(file);
+    io::sync_folder_of(file.target);
+  }
+  impl_->files.clear();
+}
+
+std::int64_t size_of_written(const std::string& path) {
+  std::string place = path;
+  if (files_together != nullptr) {
+    for (const NamelessFile& file : files_together->files) {
+      if (file.path == path) place = file.partial;
+    }
+  }
+  std::error_code error;
+  const auto size = std::filesystem::file_size(place, error);
+  if (error) throw Error(ErrorCode::kFileNotFound, fmt::format("'{}': {}", path, error.message()));
+  return static_cast<std::int64_t>(size);
+}
 
 void remove_partial_files() noexcept {
   const int saved_errno = errno;
@@ -283,6 +365,12 @@ void AtomicFile::settle() noexcept {
 void AtomicFile::commit() try {
   finish();
   if (!is_pending_) return;
+  if (files_together != nullptr) {
+    files_together->files.push_back({path_, target_path_, partial_path_, "", slot_});
+    slot_ = -1;
+    is_pending_ = false;
+    return;
+  }
   if (::rename(partial_path_.c_str(), target_path_.c_str()) != 0)
     throw_cannot_write(path_, reason(errno));
   settle();

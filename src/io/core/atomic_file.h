@@ -40,8 +40,8 @@ class AtomicFile {
   // of this file.
   const std::string& partial_path() const noexcept { return partial_path_; }
 
-  // Puts the file in its place. Nothing may be written afterwards. Throws Error(kFileWrite,
-  // kCancelled); then nothing is left behind.
+  // Puts the file in its place, at once or with others (FilesTogether). Nothing may be written
+  // afterwards. Throws Error(kFileWrite, kCancelled); then nothing is left behind.
   void commit();
 
   // The same under another name in the target's folder, which must be nobody's yet; the target

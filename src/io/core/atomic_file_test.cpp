@@ -17,6 +17,7 @@
 #include "io/core/test_folder.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
+#include "ovoid/output_files.h"
 
 namespace ovoid::io {
 namespace atomic_file_test {
@@ -53,6 +54,54 @@ TEST(AtomicFile, LeavesNothingWithoutCommit) {
   }
   EXPECT_EQ(folder.read("a.txt"), "old");
   EXPECT_EQ(folder.count(), 1);
+}
+
+// Fails if one of several files is there before the last is whole, or when that never is.
+TEST(FilesTogether, AppearTogether) {
+  const TestFolder folder;
+  folder.write("a.txt", "old");
+  {
+    FilesTogether files;
+    write_atomically(folder.file("a.txt"), "new");
+    write_atomically(folder.file("b.txt"), "longer");
+    EXPECT_EQ(folder.read("a.txt"), "old");
+    EXPECT_FALSE(std::filesystem::exists(folder.file("b.txt")));
+    EXPECT_EQ(size_of_written(folder.file("b.txt")), 6);
+  }
+  EXPECT_EQ(folder.read("a.txt"), "old");
+  EXPECT_EQ(folder.count(), 1);
+  FilesTogether files;
+  write_atomically(folder.file("a.txt"), "new");
+  write_atomically(folder.file("b.txt"), "longer");
+  files.commit();
+  EXPECT_EQ(folder.read("a.txt"), "new");
+  EXPECT_EQ(folder.read("b.txt"), "longer");
+  EXPECT_EQ(folder.count(), 2);
+}
+
+// The last of three cannot be put in its place: those before it are taken back.
+TEST(FilesTogether, AreTakenBackTogether) {
+  const TestFolder folder;
+  folder.write("a.txt", "old");
+  {
+    FilesTogether files;
+    for (const char* const name : {"a.txt", "b.txt", "c.txt"})
+      write_atomically(folder.file(name), "new");
+    std::filesystem::create_directory(folder.file("c.txt"));
+    EXPECT_THROW(files.commit(), Error);
+  }
+  EXPECT_EQ(folder.read("a.txt"), "old");
+  EXPECT_EQ(folder.count(), 2);  // and the folder
+}
+
+// A signal that ends the program takes those with it that are whole and have no name yet.
+TEST(FilesTogether, AreKnownToTheSignalHandler) {
+  const TestFolder folder;
+  FilesTogether files;
+  write_atomically(folder.file("a.txt"), "new");
+  EXPECT_EQ(folder.count(), 1);
+  remove_partial_files();
+  EXPECT_EQ(folder.count(), 0);
 }
 
 TEST(AtomicFile, RemovePartialFilesRemovesOnlyWhatIsUnfinished) {

@@ -191,6 +191,7 @@ constexpr std::array<NumberParser, 10> kNumberParsers{
     store_number<std::int16_t>,  store_number<std::uint32_t>, store_number<std::int32_t>,
     store_number<std::uint64_t>, store_number<std::int64_t>,  store_number<float>,
     store_number<double>};
+static_assert(kNumberParsers.size() == static_cast<std::size_t>(ScalarType::kFloat64) + 1);
 
 // The characters of a source, one after the other.
 class Characters {

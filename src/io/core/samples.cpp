@@ -14,6 +14,7 @@
 
 #include "data/validate.h"
 #include "io/core/numbers.h"
+#include "io/core/work_done.h"
 #include "ovoid/error.h"
 
 namespace ovoid {
@@ -155,6 +156,7 @@ Bytes SampleBuffer::release() {
 void ReadProgress::advance(std::int64_t count) {
   if (options_.stop.stop_requested())
     throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
+  add_work_done(count);
   done_ = std::min(done_ + count, total_);
   if (options_.progress && total_ > 0)
     options_.progress(static_cast<double>(done_) / static_cast<double>(total_));

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "data/stored_number.h"
 #include "io/core/point_arrays.h"
 #include "io/core/sample_parts.h"
+#include "io/core/work_done.h"
 #include "io/foreign/hdf5_attributes.h"
 #include "io/hdf5/hdf5_lattice_format.h"
 #include "io/hdf5/stored_boxes.h"
@@ -52,7 +54,7 @@ class Unpacker {
     std::int64_t stored_bytes = 0;
     const LatticeLevels levels = read_levels(group, place, type, progress, stored_bytes);
     DataArray array = dense(place, std::move(description), type, [&] {
-      return samples_of(levels, 0, options_.stop, options_.progress);
+      return samples_of(levels, 0, options_.stop, counted_progress(num_samples(levels.dims)));
     });
     notes_->push_back(fmt::format(
         "{}: '{}' is stored as levels: {} kernels for {} samples, {} bytes in the file",
@@ -65,8 +67,9 @@ class Unpacker {
     const ScalarType type = type_of_content(group, place);
     std::int64_t stored_bytes = 0;
     const LatticeBoxes boxes = read_boxes(group, place, type, progress, stored_bytes);
-    DataArray array = dense(place, std::move(description), type,
-                            [&] { return samples_of(boxes, options_.stop, options_.progress); });
+    DataArray array = dense(place, std::move(description), type, [&] {
+      return samples_of(boxes, options_.stop, counted_progress(num_samples(boxes.dims)));
+    });
     notes_->push_back(fmt::format(
         "{}: '{}' is stored as boxes: {} for {} samples, {} bytes in the file", objects_.name(),
         array.name, boxes.boxes.size(), array.num_tuples, stored_bytes));
@@ -224,6 +227,17 @@ class Unpacker {
     }
     check_expansion(place, {ScalarType::kFloat32, dims_});
     return least->type;
+  }
+
+  // Passed on, and counted: few numbers in the file stand for many samples.
+  std::function<void(double)> counted_progress(std::int64_t num_samples) const {
+    const auto num_bytes = static_cast<double>(num_samples) * sizeof(float);
+    return [this, num_bytes, told = 0.0](double fraction) mutable {
+      if (fraction > told && fraction <= 1)
+        add_work_done(
+            static_cast<std::int64_t>(num_bytes * (fraction - std::exchange(told, fraction))));
+      if (options_.progress) options_.progress(fraction);
+    };
   }
 
   // An array of that type of what make_samples() returns.

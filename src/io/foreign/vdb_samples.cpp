@@ -11,6 +11,7 @@
 
 #include "data/scalar_visit.h"
 #include "io/core/point_arrays.h"
+#include "io/core/work_done.h"
 
 namespace ovoid::io {
 namespace {
@@ -56,6 +57,8 @@ class BoxOfSamples {
       last[a] = std::min<std::int64_t>(box_.last[a] - at, dim - 1);
       if (last[a] < first[a]) return;
     }
+    add_work_done((last[0] - first[0] + 1) * (last[1] - first[1] + 1) * (last[2] - first[2] + 1) *
+                  static_cast<std::int64_t>(sizeof(T)));
     for (std::int64_t z = first[2]; z <= last[2]; ++z) {
       for (std::int64_t y = first[1]; y <= last[1]; ++y) {
         const std::int64_t row =

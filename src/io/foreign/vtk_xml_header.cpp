@@ -15,6 +15,7 @@
 
 #include "io/core/samples.h"
 #include "io/core/text_scanner.h"
+#include "io/core/work_done.h"
 #include "io/core/xml_tags.h"
 #include "io/foreign/vtk_header_parts.h"
 #include "io/foreign/vtk_xml_arrays.h"
@@ -76,6 +77,7 @@ class XmlChecker {
       if (array.format != "ascii") total += std::min(array.num_bytes, kMaxNumBytes / 1024);
       stored_.check_ratio("all arrays together", std::min(total, kMaxNumBytes));
     }
+    if (stored_.is_compressed) add_work_done(total);  // VTK unpacks it
     outline_.grid = grid_;
     return std::move(outline_);
   }

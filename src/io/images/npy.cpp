@@ -212,6 +212,7 @@ Dataset read_npy(const ByteSource& source, const ReadOptions& options) {
 std::string npy_header(ScalarType type, std::span<const std::int64_t> shape) {
   static constexpr const char* kCodes[] = {"u1", "i1", "u2", "i2", "u4",
                                            "i4", "u8", "i8", "f4", "f8"};
+  static_assert(std::size(kCodes) == static_cast<std::size_t>(ScalarType::kFloat64) + 1);
   const char* const order = size_of(type) == 1                           ? "|"
                             : std::endian::native == std::endian::little ? "<"
                                                                          : ">";

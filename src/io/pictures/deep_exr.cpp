@@ -11,6 +11,7 @@
 #include <ImfStringAttribute.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstddef>
@@ -50,17 +51,30 @@ constexpr std::array<RunChannel, 9> kChannels = {{
 }};
 static_assert(sizeof(float) == 4 && sizeof(Run::first) == 4);
 
-constexpr std::array kModeWords = {"composite", "x-ray",      "maximum",
-                                   "mean",      "isosurface", "minimum"};
-constexpr Mode kModesInOrder[] = {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMean,
-                                  Mode::kIsosurface};
+struct ModeWord {
+  Mode mode;
+  const char* word;
+};
 
-std::string word_of(Mode mode) {
-  for (std::size_t i = 0; i < kModeWords.size(); ++i) {
-    if (kModesInOrder[i] == mode) return kModeWords[i];
-  }
-  return "";
+// What files call the modes.
+constexpr std::array<ModeWord, 6> kModeWords = {{
+    {Mode::kComposite, "composite"},
+    {Mode::kXray, "x-ray"},
+    {Mode::kMaximum, "maximum"},
+    {Mode::kMean, "mean"},
+    {Mode::kIsosurface, "isosurface"},
+    {Mode::kMinimum, "minimum"},
+}};
+
+constexpr bool has_every_mode() {
+  for (std::size_t i = 0; i < kModeWords.size(); ++i)
+    if (kModeWords[i].mode != static_cast<Mode>(i)) return false;
+  return true;
 }
+static_assert(has_every_mode());
+static_assert(kModeWords.size() == static_cast<std::size_t>(Mode::kMinimum) + 1);  // the last
+
+const char* word_of(Mode mode) { return kModeWords[static_cast<std::size_t>(mode)].word; }
 
 [[noreturn]] void refuse_part(const std::string& path, const std::string& message) {
   throw Error(ErrorCode::kFileFormat, fmt::format("{}: {}", path, message));
@@ -149,10 +163,11 @@ PicturePart part_of_header(const Imf::Header& header, const std::string& path) {
   part.picture = text_attribute(header, "ovoid.picture", path);
   part.look = look_from_text(text_attribute(header, "ovoid.look", path), path + ": ovoid.look");
   const std::string mode = text_attribute(header, "ovoid.mode", path);
-  for (const Mode known : kModesInOrder) {
-    if (word_of(known) == mode) part.seen.mode = known;
-  }
-  if (word_of(part.seen.mode) != mode) refuse_part(path, "ovoid.mode: an unknown mode");
+  const auto* const known =
+      std::find_if(kModeWords.begin(), kModeWords.end(),
+                   [&](const ModeWord& candidate) { return candidate.word == mode; });
+  if (known == kModeWords.end()) refuse_part(path, "ovoid.mode: an unknown mode");
+  part.seen.mode = known->mode;
   part.seen.width = window.max.x + 1;
   part.seen.height = window.max.y + 1;
   return part;

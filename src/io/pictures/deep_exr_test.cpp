@@ -43,6 +43,30 @@ TEST(PictureParts, AreReadAsTheyWereWritten) {
   EXPECT_EQ(to_text(back.look), to_text(part.look));
 }
 
+// Fails if a mode goes by the word of another, so that another picture is made of the parts.
+TEST(PictureParts, KeepTheirMode) {
+  const TestFolder folder;
+  for (const Mode mode : {Mode::kComposite, Mode::kXray, Mode::kMaximum, Mode::kMean,
+                          Mode::kIsosurface, Mode::kMinimum}) {
+    PicturePart part = small_part();
+    part.seen.mode = mode;
+    write_picture_part(part, folder.file("a.exr"));
+    EXPECT_EQ(read_picture_part(folder.file("a.exr")).seen.mode, mode);
+  }
+}
+
+// A file whose mode's word is unknown is refused, and not taken for the first mode.
+TEST(PictureParts, RefuseAnUnknownMode) {
+  const TestFolder folder;
+  write_picture_part(small_part(), folder.file("a.exr"));
+  std::string content = folder.read("a.exr");
+  const std::size_t at = content.find("mean", content.find("ovoid.mode"));
+  ASSERT_NE(at, std::string::npos);
+  folder.write("b.exr", content.replace(at, 4, "most"));
+  EXPECT_EQ(error_of([&] { read_picture_part(folder.file("b.exr")); }),
+            "file-format: " + folder.file("b.exr") + ": ovoid.mode: an unknown mode");
+}
+
 TEST(PictureParts, AreToldFromPictures) {
   const TestFolder folder;
   Image image;

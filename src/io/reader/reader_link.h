@@ -34,6 +34,7 @@ class UniqueFd {
 enum class LinkMessage : std::uint32_t {
   kRequest,   // library: what to read
   kProgress,  // reader: a double in [0, 1]
+  kWork,      // reader: an int64, bytes that took longer than their file's size says
   kDataset,   // reader: what was read, with the memory that holds the numbers
   kError,     // reader: code and message
 };

@@ -71,4 +71,20 @@ std::string find_reader_program(const std::string& source, const std::string& na
                           source, program, folder.string(), folders));
 }
 
+std::vector<std::string> reader_environment(const char* library_path) {
+  std::string folders;
+  std::string_view rest = library_path != nullptr ? library_path : "";
+  while (!rest.empty()) {
+    const std::size_t end = rest.find_first_of(":;");  // the system's loader takes both
+    const std::string_view folder = rest.substr(0, end);
+    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
+    if (!folder.starts_with('/')) continue;
+    folders += folders.empty() ? "" : ":";
+    folders += folder;
+  }
+  std::vector<std::string> variables{"GLIBC_TUNABLES=glibc.malloc.tcache_count=0"};
+  if (!folders.empty()) variables.push_back("LD_LIBRARY_PATH=" + folders);
+  return variables;
+}
+
 }  // namespace ovoid::io

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ovoid::io {
 
@@ -17,5 +18,12 @@ std::string_view reader_program_of(std::string_view format);
 // Error(kUnsupported) that says where it was looked for, to read `source`.
 std::string find_reader_program(const std::string& source, const std::string& named,
                                 std::string_view program = "ovoid-read");
+
+// The variables that the program is started with, "NAME=value": of LD_LIBRARY_PATH the absolute
+// folders, where a cluster may keep its libraries; and what makes the system's library give out
+// memory with nothing left in it of what lay there (apps/reader/unwritten.h). Nothing else. An
+// empty or a relative entry would be the folder that the host works in, which may be that of the
+// data. `library_path`: LD_LIBRARY_PATH of the host, or null.
+std::vector<std::string> reader_environment(const char* library_path);
 
 }  // namespace ovoid::io

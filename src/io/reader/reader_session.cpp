@@ -15,6 +15,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -45,8 +46,9 @@ constexpr int kSocketInChild = 3;
 // which are those of text.
 constexpr double kBaseSeconds = 2;
 constexpr double kBytesPerSecond = 2e6;
-// And so much more by the time it says that it is done: a few kernels stand for many samples.
-constexpr double kSecondsOfProgress = 300;
+// And 1 s for so many bytes that are unpacked: a few kernels, or a compressed frame, stand for many
+// samples.
+constexpr double kUnpackedPerSecond = 16e6;
 
 // Addresses that VTK and all below it, and the reader's own threads, take before a file is read.
 constexpr std::int64_t kLibraries = std::int64_t{1} << 30;
@@ -88,7 +90,10 @@ class SpawnSettings {
   pid_t start(const std::string& program) {
     std::string name = "ovoid-read";
     std::array<char*, 2> arguments{name.data(), nullptr};
-    std::array<char*, 1> environment{nullptr};
+    std::vector<std::string> variables = reader_environment(std::getenv("LD_LIBRARY_PATH"));
+    std::vector<char*> environment;
+    for (std::string& variable : variables) environment.push_back(variable.data());
+    environment.push_back(nullptr);
     pid_t pid = -1;
     const int error = ::posix_spawn(&pid, program.c_str(), &files_, &attributes_, arguments.data(),
                                     environment.data());
@@ -152,8 +157,9 @@ class ReaderProcess {
   // Lets it use so many seconds more of a processor, then the system ends it, or who waits for it
   // does; and so many bytes beside its libraries, then it gets no more.
   void allow(double seconds, [[maybe_unused]] std::int64_t num_bytes) noexcept {
-    told_ = 0;
-    set_limit(used_seconds() + seconds);
+    allowance_ = seconds;
+    since_request_ = since_work_ = used_seconds();
+    set_limit(since_request_ + allowance_);
 #ifndef OVOID_SANITIZED  // these take terabytes
     const auto size = static_cast<rlim_t>(num_bytes + kLibraries);
     const rlimit memory{size, size};
@@ -161,10 +167,13 @@ class ReaderProcess {
 #endif
   }
 
-  // It has told of progress, 0 to 1, and gets time for more.
-  void extend(double fraction) noexcept {
-    if (!(fraction > told_ && fraction <= 1)) return;
-    set_limit(limit_ + kSecondsOfProgress * (fraction - std::exchange(told_, fraction)));
+  // It has unpacked so many bytes more, and gets the time for them, and from now on as much as any
+  // part of the work may need: an endless loop behind much work is ended as soon as one before it.
+  void extend(std::int64_t num_bytes) noexcept {
+    const double earned = static_cast<double>(num_bytes) / kUnpackedPerSecond;
+    since_request_ += earned;
+    since_work_ = std::max(since_work_, used_seconds() + earned);
+    set_limit(std::min(since_request_, since_work_) + allowance_);
   }
   bool is_out_of_time() const noexcept { return used_seconds() > limit_ + 1; }
 
@@ -215,8 +224,10 @@ class ReaderProcess {
   std::optional<ReaderLink> link_;
   pid_t pid_ = -1;
   UniqueFd handle_;
-  double limit_ = 0;  // seconds of a processor in all
-  double told_ = 0;   // progress of this request
+  double limit_ = 0;      // seconds of a processor in all
+  double allowance_ = 0;  // of this request, by the size of its files
+  // Where the allowance begins: at the request, with what was earned, or at the last work told.
+  double since_request_ = 0, since_work_ = 0;
   bool is_reaped_ = false;
   std::optional<int> reason_;
 };
@@ -333,9 +344,14 @@ Dataset ReaderSession::Impl::receive(const io::ReaderHost& host) {
       case io::LinkMessage::kProgress:
         if (double fraction = 0; message->bytes.size() == sizeof(double)) {
           std::memcpy(&fraction, message->bytes.data(), sizeof(double));
-          process->extend(fraction);
           if (options.progress && fraction >= 0 && fraction <= 1)
             report_progress(options, fraction);
+        }
+        break;
+      case io::LinkMessage::kWork:
+        if (std::int64_t num_bytes = 0; message->bytes.size() == sizeof(num_bytes)) {
+          std::memcpy(&num_bytes, message->bytes.data(), sizeof(num_bytes));
+          process->extend(std::clamp<std::int64_t>(num_bytes, 0, io::kMaxNumBytes));
         }
         break;
       case io::LinkMessage::kDataset:

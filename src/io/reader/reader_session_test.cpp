@@ -6,12 +6,14 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -22,6 +24,7 @@
 #include <vector>
 
 #include "io/core/test_folder.h"
+#include "io/core/work_done.h"
 #include "io/images/test_volumes.h"
 #include "io/reader/reader_program.h"
 #include "ovoid/io.h"
@@ -112,6 +115,60 @@ TEST_F(ReaderSessionTest, EndlessLoopIsEnded) {
   folder.write("a.v", "x\n");
   const std::string message = refusal(folder.write("a.case", kEndless));
   EXPECT_NE(message.find("processor time"), std::string::npos) << message;
+}
+
+// A polyhedron one of whose faces says that it has 2^40 corners. VTK 9.1 walks into its own set of
+// nodes, which it fills meanwhile, and has told before that three quarters of the file are read.
+std::string endless_polyhedron() {
+  const auto big_endian = [](std::uint64_t number, int size) {
+    std::string bytes;
+    for (int shift = 8 * (size - 1); shift >= 0; shift -= 8)
+      bytes += static_cast<char>((number >> static_cast<unsigned>(shift)) & 0xFFU);
+    return bytes;
+  };
+  constexpr int kNumbers = 5000;
+  std::string text = "# vtk DataFile Version 5.1\nx\nBINARY\nDATASET UNSTRUCTURED_GRID\n";
+  text += "POINTS 8 float\n" + std::string(std::size_t{8} * 3 * 4, '\0');
+  text += "\nCELLS 2 5000\nOFFSETS vtktypeint64\n" + big_endian(0, 8) + big_endian(kNumbers, 8);
+  text += "\nCONNECTIVITY vtktypeint64\n" + big_endian(1, 8);
+  text += big_endian(std::uint64_t{1} << 40U, 8);
+  for (std::uint64_t i = 0; i < kNumbers - 2; ++i) text += big_endian(i * 7919 % 100000, 8);
+  text += "\nCELL_TYPES 1\n" + big_endian(42, 4) + "\nPOINT_DATA 8\nSCALARS v float 1\n";
+  text += "LOOKUP_TABLE default\n";
+  for (std::uint32_t i = 0; i < 8; ++i) text += big_endian(0x3F800000 + i, 4);
+  return text + "\n";
+}
+
+double seconds_of_children() {
+  rusage used{};
+  ::getrusage(RUSAGE_CHILDREN, &used);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
+  };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
+// Fails if what a library says of its progress earns it time: 300 s of a processor, for 48 KB.
+TEST_F(ReaderSessionTest, ProgressEarnsNoTime) {
+  const std::string path = folder.write("loop.vtk", endless_polyhedron());
+  const double before = seconds_of_children();
+  const std::string message = refusal(path);
+  EXPECT_NE(message.find("its reader stopped"), std::string::npos) << message;
+  EXPECT_LT(seconds_of_children() - before, 8);  // 2, a second's grace, and what it takes to start
+}
+
+// Fails if work earns nothing, or more than once.
+TEST(WorkDone, IsToldInPieces) {
+  std::vector<std::int64_t> told;
+  set_work_listener([&](std::int64_t num_bytes) { told.push_back(num_bytes); });
+  add_work_done(kWorkTold - 1);
+  EXPECT_TRUE(told.empty());
+  add_work_done(-5);
+  add_work_done(1);
+  add_work_done(3 * kWorkTold);
+  set_work_listener({});
+  add_work_done(5 * kWorkTold);
+  EXPECT_EQ(told, (std::vector<std::int64_t>{kWorkTold, 3 * kWorkTold}));
 }
 
 TEST_F(ReaderSessionTest, StopEndsAnEndlessLoop) {
@@ -286,6 +343,46 @@ TEST_F(ReaderSessionTest, FilesOfSetsAndCases) {
   const std::string start = folder.write("e", "InitialTime = 0\n");
   const std::string grid = folder.write("e.cpu0000", "x");
   EXPECT_EQ(files_read_for(enzo), (std::vector{enzo, start, grid}));
+}
+
+// --- what is loaded
+
+// The folder that a program works in may be that of other people's data.
+void write_wrong_libraries(const TestFolder& folder) {
+  for (const char* const name : {"libc.so.6", "libm.so.6", "libstdc++.so.6", "libblosc.so.1"})
+    folder.write(name, "no library");
+}
+
+// Fails if an entry of LD_LIBRARY_PATH leads the reader's loader into the working folder.
+TEST_F(ReaderSessionTest, LibrariesOfTheWorkingFolderAreNotLoaded) {
+  const std::string path = folder.write("a.vtu", vtu("4"));
+  write_wrong_libraries(folder);
+  const fs::path before = fs::current_path();
+  const char* const variable = std::getenv("LD_LIBRARY_PATH");
+  const std::string kept = variable != nullptr ? variable : "";
+  for (const char* const entries : {"", ":", ".", "/nowhere::", "/nowhere;;.", "./"}) {
+    ::setenv("LD_LIBRARY_PATH", entries, 1);
+    fs::current_path(folder.file(""));
+    EXPECT_EQ(refusal(path), "") << entries;
+  }
+  fs::current_path(before);
+  variable != nullptr ? ::setenv("LD_LIBRARY_PATH", kept.c_str(), 1)
+                      : ::unsetenv("LD_LIBRARY_PATH");
+}
+
+TEST(ReaderEnvironment, HasTheAbsoluteFoldersOfLibraries) {
+  const auto libraries = [](const char* path) {
+    std::vector<std::string> found;
+    for (const std::string& variable : reader_environment(path))
+      if (!variable.starts_with("GLIBC_TUNABLES=")) found.push_back(variable);
+    return found;
+  };
+  for (const char* const none : {"", ":", ".", "lib:$ORIGIN/../lib", ":./lib;"})
+    EXPECT_TRUE(libraries(none).empty()) << none;
+  EXPECT_TRUE(libraries(nullptr).empty());
+  EXPECT_EQ(libraries("/opt/a/lib"), std::vector<std::string>{"LD_LIBRARY_PATH=/opt/a/lib"});
+  EXPECT_EQ(libraries(":/opt/a;.;/opt/b:"),
+            std::vector<std::string>{"LD_LIBRARY_PATH=/opt/a:/opt/b"});
 }
 
 // --- what the host does not notice --------------------------------------------------------------

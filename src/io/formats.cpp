@@ -38,6 +38,7 @@
 #include "io/points/snapshot_names.h"
 #include "io/reader/reader_session.h"
 #include "io/step_times.h"
+#include "io/unread_formats.h"
 #include "io/vtk/file_series.h"
 #include "io/vtk/legacy_vtk_write.h"
 #include "io/vtk/vti_write.h"
@@ -177,6 +178,7 @@ std::vector<Format> images() {
            .begins = looks_like_tiff,
            .read = read_one<read_tiff>,
            .says_spacing = false,
+           .says_axes = false,
            .kinds = {kLattice}},
           {.name = "Zarr",
            .endings = {".zarr"},
@@ -309,7 +311,9 @@ std::vector<Format> points() {
            .endings = {".npz"},
            .begins = begins_like_zip,
            .read = read_one<read_npz>,
-           .kinds = {kParticles},
+           .says_spacing = false,
+           .says_axes = false,
+           .kinds = {kLattice, kParticles},
            .writers = {{.endings = {".npz"}, .kinds = {kParticles}, .write = write_npz}}},
           {.name = "PLY",
            .endings = {".ply"},
@@ -347,15 +351,6 @@ std::string alternatives(const std::vector<std::string>& words) {
   return last == 0 ? words[0] : before + " or " + words[last];
 }
 
-// A format that is recognised but not read, in words for a message; empty if none is.
-std::string unread_kind_of(std::string_view start) {
-  if (looks_like_analyze(start)) return "an ANALYZE 7.5 header";
-  if (is_gzip(start)) return "a gzip file of something other than NIfTI or text";
-  if (is_bzip2(start)) return "a bzip2 file of something other than text";
-  if (start.starts_with("\x76\x2f\x31\x01")) return "an OpenEXR picture";
-  return {};
-}
-
 [[noreturn]] void refuse_given(const std::string& source, std::string_view format,
                                const char* given) {
   throw Error(ErrorCode::kInvalidArgument,
@@ -366,8 +361,8 @@ std::string unread_kind_of(std::string_view start) {
 
 [[noreturn]] void refuse_axis_order(const std::string& source, std::string_view format) {
   throw Error(ErrorCode::kInvalidArgument,
-              fmt::format("{}: is {}: an axis order can be given for NPY, Zarr, netCDF and "
-                          "grids in HDF5 only",
+              fmt::format("{}: is {}: an axis order can be given for NPY, NPZ, TIFF, Zarr, "
+                          "netCDF and grids in HDF5 only",
                           source, format));
 }
 
@@ -439,12 +434,8 @@ void refuse_unknown(const ByteSource& source) {
     throw Error(code, fmt::format("{}: {}", source.name(), what));
   };
   const std::string ending = ending_of(source.name());
-  if (ending == ".foam") {
-    // VTK's reader stands on libtiff, and that on JBIG-KIT, which is GPL.
-    fail(ErrorCode::kUnsupported,
-         "is an OpenFOAM case, which is not read: expected what foamToVTK makes of it");
-  }
-  if (source.size() == 0) fail(ErrorCode::kFileFormat, "is empty");
+  // VTK's reader of OpenFOAM stands on libtiff, and that on JBIG-KIT, which is GPL.
+  if (source.size() == 0 && ending != ".foam") fail(ErrorCode::kFileFormat, "is empty");
   const std::string start = source.text(0, kStart);
   if (const std::string picture = picture_format_of(start); !picture.empty()) {
     fail(ErrorCode::kUnsupported,
@@ -456,10 +447,13 @@ void refuse_unknown(const ByteSource& source) {
                            "TIFF",
                            picture));
   }
-  const std::string unread = unread_kind_of(start);
-  if (!unread.empty()) {
+  if (const std::string unread = unread_format_of(source, start); !unread.empty())
+    fail(ErrorCode::kUnsupported, unread);
+  if (is_gzip(start) || is_bzip2(start)) {
     fail(ErrorCode::kUnsupported,
-         fmt::format("is {}, which is not read: expected {}", unread, readable_formats()));
+         fmt::format("is a {} file of something other than {}text, which is not read: expected {}",
+                     is_gzip(start) ? "gzip" : "bzip2", is_gzip(start) ? "NIfTI or " : "",
+                     readable_formats()));
   }
   if (ending == ".img" || ending == ".img.gz") {
     fail(ErrorCode::kUnsupported,
@@ -490,6 +484,8 @@ void refuse_raw_options(const std::string& source, const Format& format, const R
 Dataset read_as(const Format& format, const ByteSource& source, const ReadOptions& options,
                 const Opener& open, const std::vector<std::string>& steps) {
   refuse_raw_options(source.name(), format, options.raw);
+  if (const std::string unread = unread_dialect_of(source.name()); !unread.empty())
+    throw Error(ErrorCode::kUnsupported, fmt::format("{}: {}", source.name(), unread));
   if (format.read != nullptr) return format.read(source, options, open);
   if (!has_library(format.library)) {
     throw Error(ErrorCode::kUnsupported,

@@ -20,6 +20,7 @@
 #include "io/read_source.h"
 #include "io/reader/reader_session.h"
 #include "io/step_files.h"
+#include "io/unread_formats.h"
 #include "io/zarr/zarr.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
@@ -117,6 +118,8 @@ Dataset read_dicom_parts(const std::vector<std::string>& paths, const ReadOption
   std::vector<std::string> files;
   for (const std::string& path : paths) {
     if (is_folder(path)) {
+      if (const std::string unread = io::unread_folder_of(path); !unread.empty())
+        throw Error(ErrorCode::kUnsupported, fmt::format("{}: {}", path, unread));
       const std::vector<std::string> inner = io::dicom_files_in(path);
       files.insert(files.end(), inner.begin(), inner.end());
       continue;

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include "ovoid/error.h"
 
@@ -37,12 +39,50 @@ bool is_component_axis(std::int64_t size) noexcept {
 }
 
 std::optional<std::string> usual_axis_order(std::span<const std::int64_t> sizes) {
-  if (sizes.size() < 2 || sizes.size() > 5) return std::nullopt;
-  const bool has_components = is_component_axis(sizes.back());
-  if (sizes.size() == 2) return "yx";
-  if (sizes.size() == 3) return "zyx";
-  if (sizes.size() == 4) return has_components ? "zyxc" : "tzyx";
-  return has_components ? "tzyxc" : "tczyx";
+  const std::size_t rank = sizes.size();
+  if (rank == 2) return "yx";
+  if (rank == 3) return "zyx";
+  if (rank < 2) return std::nullopt;
+  std::string order(rank, kPassedAxis);
+  const bool has_components = is_component_axis(sizes.back()) && sizes.back() > 1;
+  if (has_components) order.back() = 'c';
+  std::size_t begin = 0, end = rank - (has_components ? 1 : 0);
+  std::vector<std::size_t> axes;
+  for (std::size_t a = begin; a < end; ++a)
+    if (sizes[a] != 1) axes.push_back(a);
+  if (axes.size() < 3) {
+    while (end - begin > 3 && sizes[begin] == 1) ++begin;
+    while (end - begin > 3 && sizes[end - 1] == 1) --end;
+    axes.resize(end - begin);
+    std::iota(axes.begin(), axes.end(), begin);
+  }
+  if (axes.size() > (has_components ? 4 : 5)) return std::nullopt;
+  constexpr std::string_view kLetters[] = {"zyx", "tzyx", "tczyx"};
+  const std::string_view letters = kLetters[axes.size() - 3];
+  for (std::size_t i = 0; i < axes.size(); ++i) order[axes[i]] = letters[i];
+  return order;
+}
+
+std::string order_with_passed_axes(const std::string& order, std::span<const std::int64_t> sizes) {
+  const auto num_long = static_cast<std::size_t>(
+      std::count_if(sizes.begin(), sizes.end(), [](std::int64_t size) { return size != 1; }));
+  if (order.size() == sizes.size() || order.size() != num_long) return order;
+  std::string whole;
+  std::size_t next = 0;
+  for (const std::int64_t size : sizes) whole += size == 1 ? kPassedAxis : order[next++];
+  return whole;
+}
+
+std::string axis_names(std::string_view order) {
+  std::string names;
+  for (const char letter : order) {
+    names += fmt::format("{}{}", names.empty() ? "" : ", ",
+                         letter == 't'          ? "time"
+                         : letter != 'c'        ? std::string(1, letter)
+                         : order.ends_with('c') ? "component"
+                                                : "channel");
+  }
+  return fmt::format("({})", names);
 }
 
 void check_axis_order(const std::string& where, const std::string& order,
@@ -52,6 +92,8 @@ void check_axis_order(const std::string& where, const std::string& order,
                 fmt::format("{}: axis order '{}': {}", where, order, what));
   };
   for (std::size_t i = 0; i < order.size(); ++i) {
+    const bool is_passed = order[i] == kPassedAxis && i < sizes.size() && sizes[i] == 1;
+    if (is_passed) continue;
     if (kAxisLetters.find(order[i]) == std::string_view::npos || order.find(order[i]) != i)
       fail("expected letters of t, c, z, y and x, each once");
   }

@@ -20,11 +20,19 @@ std::optional<std::size_t> axis_place(std::string_view order, char letter) noexc
 // The axis that a name like "lat" or "Time" stands for; none for another name.
 std::optional<char> axis_called(std::string_view name);
 
-// The order of an array of these sizes that says nothing of it, as NPY arrays are taken: "yx",
-// "zyx"; with four axes "zyxc" if the last one has as many entries as vectors, colours or tensors
-// have (1 to 4, 6, 9), else "tzyx"; with five "tzyxc" or, where the last axis is longer, "tczyx".
-// Nothing for other numbers of axes.
+// The order of an array of these sizes that says nothing of it. Of 2 and 3 axes "yx" and "zyx". Of
+// more the last is one of components, 'c', if it has as many entries as vectors, colours or tensors
+// have (2 to 4, 6, 9), axes of one entry are passed, and those that are left are "zyx", "tzyx" or,
+// without components, "tczyx". Where fewer than three are left, those of one entry before and
+// behind the rest are passed, as far as three axes stay. Nothing for other numbers of axes.
 std::optional<std::string> usual_axis_order(std::span<const std::int64_t> sizes);
+
+// An order that a user has given for the axes of more than one entry alone, with the others passed;
+// any other order as it is.
+std::string order_with_passed_axes(const std::string& order, std::span<const std::int64_t> sizes);
+
+// "(time, z, y, x)", for people.
+std::string axis_names(std::string_view order);
 
 // Whether a last axis of so many entries is one of components.
 bool is_component_axis(std::int64_t size) noexcept;

@@ -10,14 +10,17 @@ namespace ovoid::io {
 std::string plain_unit(std::string unit) {
   // Angstrom, and micro as it is escaped, as the micro sign and Greek mu in UTF-8, and in Latin 1.
   static constexpr std::pair<std::string_view, std::string_view> kSigns[] = {
-      {"\\u00B5", "u"}, {"\xc2\xb5", "u"},        {"\xce\xbc", "u"},
-      {"\xb5", "u"},    {"\xc3\x85", "angstrom"},
+      {"\\u00B5", "u"}, {"\\u00b5", "u"},        {"\\u03BC", "u"},
+      {"\\u03bc", "u"}, {"\xc2\xb5", "u"},       {"\xce\xbc", "u"},
+      {"\xb5", "u"},    {"\\u00C5", "angstrom"}, {"\xc3\x85", "angstrom"},
   };
   for (const auto& [sign, plain] : kSigns)
     for (std::size_t at = 0; (at = unit.find(sign, at)) != std::string::npos; at += plain.size())
       unit.replace(at, sign.size(), plain);
   static const std::map<std::string, std::string, std::less<>> kNames{
       {"micron", "um"},        {"microns", "um"},    {"micrometer", "um"}, {"micrometre", "um"},
+      {"micrometers", "um"},   {"inches", "inch"},   {"nanometers", "nm"}, {"millimeters", "mm"},
+      {"millimetre", "mm"},    {"nanometre", "nm"},  {"centimetre", "cm"}, {"metre", "m"},
       {"nanometer", "nm"},     {"millimeter", "mm"}, {"centimeter", "cm"}, {"meter", "m"},
       {"kilometer", "km"},     {"picometer", "pm"},  {"pixel", ""},        {"pixels", ""},
       {"reference frame", ""},

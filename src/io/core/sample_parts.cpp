@@ -10,6 +10,7 @@
 
 #include "data/varies.h"
 #include "io/core/memory.h"
+#include "io/core/parts_stream.h"
 #include "io/core/samples.h"
 #include "io/core/samples_in_file.h"
 #include "io/core/temporary_file.h"
@@ -17,63 +18,6 @@
 
 namespace ovoid::io {
 namespace {
-
-// All parts as one stream.
-class PartsStream {
- public:
-  PartsStream(const SampleParts& parts, ReadProgress& progress, std::vector<std::string>& notes)
-      : parts_(parts), progress_(progress), notes_(notes) {}
-
-  void append(std::int64_t count, SampleBuffer& out) {
-    pass(count, [&](SampleStream& stream, std::int64_t piece) { stream.append(piece, out); });
-  }
-  void skip(std::int64_t count) {
-    pass(count, [](SampleStream& stream, std::int64_t piece) { stream.skip(piece); });
-  }
-
- private:
-  template <typename Action>
-  void pass(std::int64_t count, const Action& action) {
-    while (count > 0) {
-      if (!stream_) {
-        part_ = parts_.open(index_);
-        stream_ =
-            open_samples(*part_.source, part_.offset, parts_.encoding, parts_.each, progress_);
-        num_left_ = parts_.each.num_bytes;
-      }
-      const std::int64_t piece = std::min(count, num_left_);
-      action(*stream_, piece);
-      count -= piece;
-      num_left_ -= piece;
-      if (num_left_ > 0) continue;
-      stream_->finish(notes_);
-      stream_.reset();
-      part_ = {};
-      ++index_;
-    }
-  }
-
-  const SampleParts& parts_;
-  ReadProgress& progress_;
-  std::vector<std::string>& notes_;
-  std::int64_t index_ = 0;
-  std::int64_t num_left_ = 0;
-  SamplePart part_;
-  std::unique_ptr<SampleStream> stream_;
-};
-
-// Bytes of the files, for progress; throws if one is not there or too small.
-std::int64_t check_parts(const SampleParts& parts, const ReadOptions& options) {
-  std::int64_t num_stored = 0;
-  for (std::int64_t i = 0; i < parts.count; ++i) {
-    const SamplePart part = parts.open(i);
-    check_plausible(*part.source, part.offset, parts.encoding, parts.each);
-    num_stored += part.source->size() - part.offset;
-    if (options.stop.stop_requested())
-      throw Error(ErrorCode::kCancelled, "reading: stopped by the caller");
-  }
-  return num_stored;
-}
 
 class StepReader {
  public:

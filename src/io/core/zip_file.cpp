@@ -202,6 +202,20 @@ Bytes unpack(const ByteSource& source, const ZipEntry& entry, std::int64_t offse
   return out.release();
 }
 
+// Behind the local header.
+std::int64_t offset_of_data(const ByteSource& source, const ZipEntry& entry) {
+  const std::string header = source.text(entry.offset, kLocalSize);
+  if (static_cast<std::int64_t>(header.size()) < kLocalSize ||
+      zip_number<std::uint32_t>(header, 0) != kLocalHeader)
+    fail_zip(source,
+             fmt::format("{} is not where the directory says", data::name_text(entry.name)));
+  const std::int64_t offset = entry.offset + kLocalSize + zip_number<std::uint16_t>(header, 26) +
+                              zip_number<std::uint16_t>(header, 28);
+  if (offset > source.size() || entry.packed_size > source.size() - offset)
+    fail_zip(source, fmt::format("{} ends behind the file", data::name_text(entry.name)));
+  return offset;
+}
+
 }  // namespace
 
 std::vector<ZipEntry> read_zip_entries(const ByteSource& source) {
@@ -229,15 +243,7 @@ std::vector<ZipEntry> read_zip_entries(const ByteSource& source) {
 }
 
 ZipMember open_zip_entry(const ByteSource& source, const ZipEntry& entry) {
-  const std::string header = source.text(entry.offset, kLocalSize);
-  if (static_cast<std::int64_t>(header.size()) < kLocalSize ||
-      zip_number<std::uint32_t>(header, 0) != kLocalHeader)
-    fail_zip(source,
-             fmt::format("{} is not where the directory says", data::name_text(entry.name)));
-  const std::int64_t offset = entry.offset + kLocalSize + zip_number<std::uint16_t>(header, 26) +
-                              zip_number<std::uint16_t>(header, 28);
-  if (offset > source.size() || entry.packed_size > source.size() - offset)
-    fail_zip(source, fmt::format("{} ends behind the file", data::name_text(entry.name)));
+  const std::int64_t offset = offset_of_data(source, entry);
   const std::string name = fmt::format("{}: {}", source.name(), entry.name.substr(0, 80));
   ZipMember member;
   if (entry.is_deflated) {
@@ -247,6 +253,27 @@ ZipMember open_zip_entry(const ByteSource& source, const ZipEntry& entry) {
     member.source = std::make_unique<PartSource>(name, source, offset, entry.size);
   }
   return member;
+}
+
+std::string zip_entry_start(const ByteSource& source, const ZipEntry& entry, std::int64_t count) {
+  const std::int64_t offset = offset_of_data(source, entry);
+  count = std::min(count, entry.size);
+  if (!entry.is_deflated) return source.text(offset, count);
+  // What cannot be packed takes a few bytes more than it has.
+  constexpr std::int64_t kMargin = 1024;
+  std::string packed = source.text(offset, std::min(entry.packed_size, count + kMargin));
+  std::string start(static_cast<std::size_t>(count), '\0');
+  Inflater inflater(Inflater::kBare);
+  inflater.stream.next_in = reinterpret_cast<Bytef*>(packed.data());
+  inflater.stream.avail_in = static_cast<uInt>(packed.size());
+  inflater.stream.next_out = reinterpret_cast<Bytef*>(start.data());
+  inflater.stream.avail_out = static_cast<uInt>(start.size());
+  while (!inflater.ended && inflater.stream.avail_out > 0) {
+    const uInt left = inflater.stream.avail_out;
+    if (!inflater.step().empty() || inflater.stream.avail_out == left) break;
+  }
+  start.resize(start.size() - inflater.stream.avail_out);
+  return start;
 }
 
 void ZipWriter::write(std::string_view bytes) {

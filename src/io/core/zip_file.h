@@ -39,6 +39,10 @@ struct ZipMember {
 };
 ZipMember open_zip_entry(const ByteSource& source, const ZipEntry& entry);
 
+// The first `count` bytes of an entry, or as many as there are before its end or damage: to see
+// what it is without unpacking all of it. Throws Error(kFileFormat).
+std::string zip_entry_start(const ByteSource& source, const ZipEntry& entry, std::int64_t count);
+
 // Writes entries, stored, one behind the other.
 class ZipWriter {
  public:

@@ -403,9 +403,8 @@ TEST(Hdf5Grid, AnAxisOrderIsForGridsAlone) {
   options.raw.axis_order = "zyx";
   EXPECT_EQ(
       hdf5_error(path, options),
-      "invalid-argument: F: is HDF5: an axis order can be given for NPY, Zarr, netCDF and grids in "
-      "HDF5 "
-      "only");
+      "invalid-argument: F: is HDF5: an axis order can be given for NPY, NPZ, TIFF, Zarr, netCDF and "
+      "grids in HDF5 only");
 }
 
 TEST(Hdf5Grid, OneIsChosen) {

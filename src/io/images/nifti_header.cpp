@@ -120,6 +120,7 @@ class Parser {
     if (!header_.is_pair && !has_bytes_at(bytes_, 4, "n+2\0"sv)) fail("magic: expected n+2 or ni2");
     if (!has_bytes_at(bytes_, 8, "\r\n\x1a\n"sv))
       fail("magic: its line ends were changed, so that the samples are no longer what they were");
+    refuse_cifti(get<std::int32_t>(504));
     read_type(get<std::int16_t>(12), get<std::int16_t>(14));
     read_dims<std::int64_t>(16);
     read_numbers<double>(104, header_.pixdim);
@@ -134,6 +135,17 @@ class Parser {
     for (std::size_t i = 0; i < 3; ++i) read_numbers<double>(400 + 32 * i, header_.sform[i]);
     header_.units = get<std::int32_t>(500);
     header_.intent_name = text(508, 16);
+  }
+
+  // CIFTI-2 keeps a matrix whose rows are places on a surface and in a volume.
+  void refuse_cifti(int intent) const {
+    constexpr int kFirst = 3000, kLast = 3099;
+    if (intent < kFirst || intent > kLast) return;
+    fail(
+        "is CIFTI (values on a brain's surface, dscalar, dtseries, dlabel and the like), which is "
+        "not read: expected its volume as NIfTI, by 'wb_command -cifti-separate A.dscalar.nii "
+        "COLUMN -volume-all A.nii'",
+        ErrorCode::kUnsupported);
   }
 
   template <typename T, std::size_t N>

@@ -5,16 +5,15 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "io/core/atomic_file.h"
 #include "io/core/axis_order.h"
 #include "io/core/chunked_array.h"
-#include "io/core/sample_parts.h"
 #include "io/core/samples.h"
-#include "io/core/short_floats.h"
 #include "io/images/npy_header.h"
 #include "io/points/npy_points.h"
 #include "ovoid/error.h"
@@ -22,197 +21,111 @@
 namespace ovoid::io {
 namespace {
 
-// Fortran order, first axis fastest, to C order, last axis fastest.
-Bytes reverse_axes(SampleBuffer& samples, const std::vector<std::int64_t>& shape,
-                   std::size_t item_size) {
-  SampleBuffer result;
-  const auto size = samples.size();
-  const auto to = result.extend(size, size);
-  const auto from = samples.bytes();
-  // In memory the shape reads, slowest first, (c, x, y, z) and shall become (z, y, x, c): for every
-  // (c, y), an x-z plane is transposed.
-  const std::int64_t nz = shape[0], ny = shape[1], nx = shape[2],
-                     nc = shape.size() == 4 ? shape[3] : 1;
-  std::vector<std::byte> rows(static_cast<std::size_t>(nx * nz) * item_size);
-  std::vector<std::byte> columns(rows.size());
-  for (std::int64_t c = 0; c < nc; ++c) {
-    for (std::int64_t y = 0; y < ny; ++y) {
-      for (std::int64_t x = 0; x < nx; ++x) {
-        std::memcpy(
-            rows.data() + static_cast<std::size_t>(x * nz) * item_size,
-            from.data() + static_cast<std::size_t>(((c * nx + x) * ny + y) * nz) * item_size,
-            static_cast<std::size_t>(nz) * item_size);
-      }
-      transpose_items(rows.data(), columns.data(), nx, nz, item_size);
-      for (std::int64_t z = 0; z < nz; ++z) {
-        for (std::int64_t x = 0; x < nx; ++x) {
-          std::memcpy(
-              to.data() + static_cast<std::size_t>(((z * ny + y) * nx + x) * nc + c) * item_size,
-              columns.data() + static_cast<std::size_t>(z * nx + x) * item_size, item_size);
-        }
-      }
-    }
-  }
-  return result.release();
+std::string shape_text(const NpyHeader& header) {
+  return fmt::format("({})", fmt::join(header.shape, ", "));
 }
 
-// (time, z, y, x), or (time, z, y, x, component)?
-bool has_steps(const std::vector<std::int64_t>& shape) {
-  return (shape.size() == 4 && !is_component_axis(shape[3])) ||
-         (shape.size() == 5 && is_component_axis(shape[4]));
+// Chunks are runs of samples as they lie in the file, of about so many bytes.
+constexpr std::int64_t kChunkBytes = std::int64_t{1} << 20;
+
+std::vector<std::int64_t> chunk_of(const NpyHeader& header, ScalarType type) {
+  const std::size_t rank = header.shape.size();
+  std::vector<std::int64_t> chunk(rank, 1);
+  auto num_bytes = static_cast<std::int64_t>(size_of(type));
+  for (std::size_t i = 0; i < rank; ++i) {
+    const std::size_t a = header.is_fortran_order ? i : rank - 1 - i;
+    chunk[a] = std::clamp<std::int64_t>(kChunkBytes / num_bytes, 1, header.shape[a]);
+    num_bytes *= chunk[a];
+    if (chunk[a] < header.shape[a]) break;
+  }
+  return chunk;
 }
 
-// One of the steps, which are read without the others.
-Dataset read_npy_step(const ByteSource& source, const NpyHeader& header,
-                      const ReadOptions& options) {
-  const auto& shape = header.shape;
-  const std::string text = fmt::format("({})", fmt::join(shape, ", "));
-  const NpyType type = npy_type_of(source.name(), header.descr);
-  if (header.is_fortran_order) {
-    throw Error(ErrorCode::kUnsupported,
-                fmt::format("{}: shape {} in Fortran order: expected C order of data in time",
-                            source.name(), text));
+}  // namespace
+
+bool looks_like_npy(std::string_view start) noexcept { return start.starts_with(kNpyMagic); }
+
+std::string npy_axes(const std::string& name, const NpyHeader& header, const ReadOptions& options) {
+  if (!options.raw.axis_order.empty()) {
+    const std::string order = order_with_passed_axes(options.raw.axis_order, header.shape);
+    check_axis_order(name, order, header.shape);
+    return order;
   }
-  const std::int64_t num_bytes = checked_num_bytes(source.name() + ": shape", shape, type.type);
-  check_num_steps(source.name() + ": shape", shape[0]);
-  check_npy_size(source, header, type, num_bytes);
-  Dataset dataset;
-  dataset.source = source.name();
-  dataset.format = "NPY";
-  dataset.lattice.dims = {shape[3], shape[2], shape[1]};
-  if (options.raw.spacing)
-    dataset.lattice.world_from_index.linear() = options.raw.spacing->asDiagonal();
-  check_geometry("spacing", dataset.lattice.world_from_index);
-  StepLayout layout;
-  layout.num_steps = shape[0];
-  layout.num_bytes = num_bytes / shape[0];
-  layout.type = type.type;
-  layout.num_components = shape.size() == 5 ? static_cast<int>(shape[4]) : 1;
-  layout.is_big_endian = type.is_big_endian;
-  SampleParts parts;
-  parts.each = {num_bytes, 0, type.type, source.name(), text};
-  parts.open = [&source, &header](std::int64_t) {
-    SamplePart part;
-    part.source = &source;
-    part.offset = header.data_offset;
-    return part;
-  };
-  dataset.notes.push_back(
-      shape.size() == 5
-          ? fmt::format("{}: shape {} taken as (time, z, y, x, component)", source.name(), text)
-          : fmt::format("{}: shape {} taken as (time, z, y, x): {} is no number of components, "
-                        "which are 1 to 4, 6 or 9; --axis-order says another",
-                        source.name(), text, shape[3]));
-  if (auto note = type.note(source.name())) dataset.notes.push_back(std::move(*note));
-  StepSamples samples = read_step(parts, layout, options, dataset.notes);
-  dataset.num_steps = layout.num_steps;
-  dataset.step = samples.step;
-  dataset.arrays.push_back({"values", type.type, layout.num_components,
-                            num_samples(dataset.lattice.dims), "", false, samples.bytes});
-  dataset.arrays.back().stored = std::move(samples.stored);
-  widen_short_floats(type.short_float, dataset.arrays.back());
-  return dataset;
+  const auto usual = usual_axis_order(header.shape);
+  if (usual && header.shape.size() > 2) return *usual;
+  throw Error(
+      ErrorCode::kUnsupported,
+      fmt::format(
+          "{}: shape: {}: expected (z, y, x), (z, y, x, component) with 2 to 4, 6 or 9 "
+          "components, (time, z, y, x) with components or without, or (time, channel, z, y, "
+          "x), besides axes of one entry; or (N, 3) or (N, 4) for more than {} points; "
+          "--axis-order, as tczyx or yx, says which axis is which",
+          name, shape_text(header), kMaxUnclearPoints));
 }
 
-Dataset describe(const ByteSource& source, const NpyHeader& header, const ReadOptions& options) {
-  const auto& shape = header.shape;
-  const std::string text = fmt::format("({})", fmt::join(shape, ", "));
-  if (shape.size() != 3 && shape.size() != 4) {
-    throw Error(
-        ErrorCode::kUnsupported,
-        fmt::format("{}: shape: {}: expected (z, y, x), (z, y, x, component) with 1 to 4, 6 "
-                    "or 9 components, (time, z, y, x) or (time, z, y, x, component), or "
-                    "(N, 3) or (N, 4) for more than {} points",
-                    source.name(), text, kMaxUnclearPoints));
-  }
-  Dataset dataset;
-  dataset.source = source.name();
-  dataset.format = "NPY";
-  dataset.lattice.dims = {shape[2], shape[1], shape[0]};
-  if (options.raw.spacing)
-    dataset.lattice.world_from_index.linear() = options.raw.spacing->asDiagonal();
-  check_geometry("spacing", dataset.lattice.world_from_index);
-  if (shape.size() == 4) {
-    dataset.notes.push_back(
-        fmt::format("{}: shape {} taken as (z, y, x, component)", source.name(), text));
-  }
-  return dataset;
-}
-
-// Axes in the order that is asked for. Chunks are planes of the two that vary fastest.
-Dataset read_npy_in_order(const ByteSource& source, const NpyHeader& header,
-                          const ReadOptions& options) {
-  const NpyType type = npy_type_of(source.name(), header.descr);
+ChunkedArray npy_array(const std::shared_ptr<const ByteSource>& source, const NpyHeader& header,
+                       const std::string& axes, std::vector<std::string>& notes) {
+  const NpyType type = npy_type_of(source->name(), header.descr);
   ChunkedArray array;
-  array.where = source.name();
-  array.axes = options.raw.axis_order;
+  array.where = source->name();
+  array.axes = axes;
   array.shape = header.shape;
   array.type = type.type;
   array.short_float = type.short_float;
   array.is_big_endian = type.is_big_endian;
   array.is_first_fastest = header.is_fortran_order;
-  check_axis_order(source.name(), array.axes, array.shape);
-  check_npy_size(source, header, type,
-                 checked_num_bytes(source.name() + ": shape", array.shape, type.type));
-  const std::size_t rank = array.shape.size();
-  array.chunk.assign(rank, 1);
-  for (std::size_t i = 0; i < 2; ++i) {
-    const std::size_t a = header.is_fortran_order ? i : rank - 1 - i;
-    array.chunk[a] = array.shape[a];
-  }
+  check_npy_size(*source, header, type,
+                 checked_num_bytes(source->name() + ": shape", array.shape, type.type));
+  array.chunk = chunk_of(header, type.type);
   check_chunked(array);
-  // Samples that stay in the file keep it open.
-  const std::shared_ptr<const ByteSource> own =
-      options.may_stay_in_file ? open_file(source.name()) : nullptr;
-  array.read = [&source, own, offset = header.data_offset, shape = array.shape, chunk = array.chunk,
-                is_first_fastest = array.is_first_fastest](std::span<const std::int64_t> number,
-                                                           std::span<std::byte> out) {
-    std::int64_t plane = 0;  // its number
-    for (std::size_t i = 0; i < shape.size(); ++i) {
-      const std::size_t a = is_first_fastest ? shape.size() - 1 - i : i;
-      if (chunk[a] == 1) plane = plane * shape[a] + number[a];
+  array.read = [source, header, chunk = array.chunk, size = size_of(type.type)](
+                   std::span<const std::int64_t> number, std::span<std::byte> out) {
+    // The chunk's samples lie behind each other, from the first of them on.
+    const std::size_t rank = chunk.size();
+    std::int64_t first = 0, num_there = 1, stride = 1;
+    for (std::size_t i = 0; i < rank; ++i) {
+      const std::size_t a = header.is_fortran_order ? i : rank - 1 - i;
+      const std::int64_t begin = number[a] * chunk[a];
+      first += begin * stride;
+      stride *= header.shape[a];
+      num_there *= std::min(chunk[a], header.shape[a] - begin);
     }
-    const auto size = static_cast<std::int64_t>(out.size());
-    (own ? *own : source).read(offset + plane * size, out);
+    source->read(header.data_offset + first * static_cast<std::int64_t>(size),
+                 out.first(static_cast<std::size_t>(num_there) * size));
     return true;
   };
+  if (auto note = type.note(source->name())) notes.push_back(std::move(*note));
+  return array;
+}
+
+Dataset read_npy(const ByteSource& source, const ReadOptions& options) {
+  const NpyHeader header = read_npy_header(source);
+  const bool has_order = !options.raw.axis_order.empty();
+  if (!has_order && is_npy_of_points(header.shape)) return read_npy_points(source, options);
   Dataset dataset;
   dataset.source = source.name();
   dataset.format = "NPY";
   if (options.raw.spacing)
     dataset.lattice.world_from_index.linear() = options.raw.spacing->asDiagonal();
   check_geometry("spacing", dataset.lattice.world_from_index);
-  if (auto note = type.note(source.name())) dataset.notes.push_back(std::move(*note));
+  const std::string axes = npy_axes(source.name(), header, options);
+  if (!has_order && axes.size() > 3) {
+    dataset.notes.push_back(fmt::format("{}: shape {} taken as {}; --axis-order says another",
+                                        source.name(), shape_text(header), axis_names(axes)));
+  }
+  // Samples that stay in the file keep it open.
+  const std::shared_ptr<const ByteSource> kept =
+      options.may_stay_in_file
+          ? std::shared_ptr<const ByteSource>(open_file(source.name()))
+          : std::shared_ptr<const ByteSource>(&source, [](const ByteSource*) {});
+  const ChunkedArray array = npy_array(kept, header, axes, dataset.notes);
   read_chunked({array}, options, dataset);
-  return dataset;
-}
-
-}  // namespace
-
-Dataset read_npy(const ByteSource& source, const ReadOptions& options) {
-  const NpyHeader start = read_npy_header(source);
-  if (!options.raw.axis_order.empty()) return read_npy_in_order(source, start, options);
-  if (is_npy_of_points(start.shape)) return read_npy_points(source, options);
-  if (has_steps(start.shape)) return read_npy_step(source, start, options);
-  Dataset dataset = describe(source, start, options);
-  NpySamples read = read_npy_samples(source, options);
-  const NpyHeader& header = read.header;
-  const NpyType& type = read.type;
-  DataArray array{"values", type.type, 1, num_samples(dataset.lattice.dims), "", false, {}};
-  if (header.shape.size() == 4) array.num_components = static_cast<int>(header.shape[3]);
-  array.bytes = header.is_fortran_order
-                    ? reverse_axes(read.samples, header.shape, size_of(type.type))
-                    : read.samples.release();
-  widen_short_floats(type.short_float, array);
-  if (auto note = type.note(source.name())) dataset.notes.push_back(std::move(*note));
-  dataset.arrays.push_back(std::move(array));
   return dataset;
 }
 
 std::string npy_header(ScalarType type, std::span<const std::int64_t> shape) {
   static constexpr const char* kCodes[] = {"u1", "i1", "u2", "i2", "u4",
                                            "i4", "u8", "i8", "f4", "f8"};
-  static_assert(std::size(kCodes) == static_cast<std::size_t>(ScalarType::kFloat64) + 1);
   const char* const order = size_of(type) == 1                           ? "|"
                             : std::endian::native == std::endian::little ? "<"
                                                                          : ">";

@@ -11,7 +11,6 @@
 
 #include "io/core/memory.h"
 #include "io/core/samples.h"
-#include "io/images/npy.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 
@@ -131,8 +130,6 @@ class DictParser {
 
 }  // namespace
 
-bool looks_like_npy(std::string_view start) noexcept { return start.starts_with(kNpyMagic); }
-
 NpyHeader read_npy_header(const ByteSource& source) {
   const std::string start = source.text(0, 12);
   const auto byte = [&](std::size_t i) {
@@ -161,6 +158,27 @@ NpyHeader read_npy_header(const ByteSource& source) {
   return header;
 }
 
+namespace {
+
+// What NumPy's letter for a type that is not read stands for.
+std::string meaning_of(const std::string& descr) {
+  static constexpr std::pair<char, const char*> kLetters[] = {
+      {'O', "Python objects, which are pickled"},
+      {'U', "text"},
+      {'S', "bytes of text"},
+      {'a', "bytes of text"},
+      {'c', "complex numbers"},
+      {'V', "records or raw bytes"},
+      {'M', "dates"},
+      {'m', "spans of time"}};
+  const char letter = descr.size() > 1 ? descr[1] : '\0';
+  for (const auto& [known, meaning] : kLetters)
+    if (letter == known) return fmt::format(" ({})", meaning);
+  return {};
+}
+
+}  // namespace
+
 NpyType npy_type_of(const std::string& name, const std::string& descr) {
   const std::string code = descr.size() > 1 ? descr.substr(1) : "";
   const bool is_boolean = code == "b1";
@@ -173,8 +191,9 @@ NpyType npy_type_of(const std::string& name, const std::string& descr) {
     throw Error(
         ErrorCode::kUnsupported,
         fmt::format(
-            "{}: descr: '{}': expected booleans, integers of 1 to 8 bytes, or floats of 2 to 8",
-            name, descr.substr(0, 40)));
+            "{}: descr: '{}'{}: expected booleans, integers of 1 to 8 bytes, or floats of 2 "
+            "to 8",
+            name, descr.substr(0, 40), meaning_of(descr)));
   }
   const bool is_native_big = std::endian::native == std::endian::big;
   return {*type, order == '>' || (order != '<' && is_native_big), is_boolean,

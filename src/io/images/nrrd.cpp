@@ -4,11 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
 #include <utility>
 
 #include "io/core/decode.h"
+#include "io/core/length_units.h"
 #include "io/core/sample_parts.h"
 #include "io/core/samples.h"
+#include "io/core/strided_step.h"
+#include "io/core/text_scanner.h"
 #include "io/images/data_files.h"
 #include "io/images/nrrd_header.h"
 #include "ovoid/error.h"
@@ -16,67 +22,115 @@
 namespace ovoid::io {
 namespace {
 
-enum class AxisRole { kSpatial, kTime, kComponents };
+enum class AxisRole { kSpatial, kTime, kList, kComponents };
 
 // What the header's axes are in a lattice.
 struct VolumeAxes {
-  std::vector<std::size_t> spatial;  // two or three, fastest first
+  std::vector<std::size_t> spatial;              // two or three, fastest first
+  std::optional<std::size_t> components, steps;  // of more than one sample
   int num_components = 1;
-  std::int64_t num_steps = 1;  // samples of the slowest axis, if that is time or a list
+  std::int64_t num_steps = 1;
 };
 
-AxisRole role_of(const NrrdHeader& header, const NrrdAxis& axis) {
-  if (header.has_directions) {
-    if (axis.direction) return AxisRole::kSpatial;
-  } else if (axis.kind.empty() || axis.kind == "domain" || axis.kind == "space" ||
-             axis.kind == "???" || axis.kind == "none") {
-    return AxisRole::kSpatial;
-  }
-  return axis.kind == "time" ? AxisRole::kTime : AxisRole::kComponents;
+bool has_no_kind(const NrrdAxis& axis) {
+  return axis.kind.empty() || axis.kind == "???" || axis.kind == "none";
 }
+
+bool is_domain(const NrrdAxis& axis) { return axis.kind == "domain" || axis.kind == "space"; }
 
 [[noreturn]] void throw_unsupported(const std::string& name, const std::string& what) {
   throw Error(ErrorCode::kUnsupported, fmt::format("{}: {}", name, what));
 }
 
-VolumeAxes find_axes(const std::string& name, const NrrdHeader& header) {
+// In a space of four dimensions an axis lies in the first three, or along the fourth.
+AxisRole role_of_direction(const std::string& name, const NrrdAxis& axis) {
+  if (axis.fourth.value_or(0) == 0) return AxisRole::kSpatial;
+  if (Eigen::Map<const Vec3>(axis.direction->data()).isZero(0)) return AxisRole::kTime;
+  throw_unsupported(name,
+                    "space directions: an axis is aslant on the fourth dimension: expected axes "
+                    "in the first three, and perhaps one along the fourth");
+}
+
+AxisRole role_of(const std::string& name, NrrdHeader& header, std::size_t index) {
+  const NrrdAxis& axis = header.axes[index];
+  if (axis.direction) return role_of_direction(name, axis);
+  if (axis.kind == "time") return AxisRole::kTime;
+  // The layers of a segmentation are a list, too, and one data set.
+  if (axis.kind == "list" && !header.is_segmentation) return AxisRole::kList;
+  if (!has_no_kind(axis) && !is_domain(axis)) return AxisRole::kComponents;
+  if (!header.has_directions) return AxisRole::kSpatial;
+  // As programs order them: the values of a sample first, steps last.
+  if (index == 0 || index + 1 < header.axes.size() || axis.size == 1) return AxisRole::kComponents;
+  header.notes.push_back(
+      fmt::format("{}: axis {} ({} samples) has neither direction nor kind: "
+                  "taken as steps",
+                  name, index, axis.size));
+  return AxisRole::kList;
+}
+
+// The one axis of those; none of none.
+std::optional<std::size_t> only_axis(const std::string& name, const NrrdHeader& header,
+                                     const std::vector<std::size_t>& indices) {
+  if (indices.empty()) return std::nullopt;
+  if (indices.size() == 1) return indices[0];
+  throw_unsupported(
+      name,
+      fmt::format("axes {} (kind '{}') and {} (kind '{}') of {} are both not spatial: expected "
+                  "2 or 3 spatial axes, one of components and one of time or a list",
+                  indices[0], header.axes[indices[0]].kind, indices[1],
+                  header.axes[indices[1]].kind, header.axes.size()));
+}
+
+VolumeAxes find_axes(const std::string& name, NrrdHeader& header) {
   const bool is_told =
-      header.has_directions ||
-      std::any_of(header.axes.begin(), header.axes.end(), [](const NrrdAxis& axis) {
-        return !axis.kind.empty() && axis.kind != "???" && axis.kind != "none";
-      });
+      header.has_directions || std::any_of(header.axes.begin(), header.axes.end(),
+                                           [](const NrrdAxis& axis) { return !has_no_kind(axis); });
   if (header.axes.size() > 3 && !is_told) {
     throw_unsupported(
         name,
         fmt::format(
             "{} axes, and neither 'kinds' nor 'space directions' says which of them are spatial: "
-            "expected 2 or 3 spatial axes after at most one of components, and then perhaps time",
+            "expected 2 or 3 spatial axes, one of components and one of time or a list",
             header.axes.size()));
   }
   VolumeAxes result;
+  std::vector<std::size_t> times, lists, components;
   for (std::size_t i = 0; i < header.axes.size(); ++i) {
-    const NrrdAxis& axis = header.axes[i];
-    const AxisRole role = role_of(header, axis);
-    const bool is_slowest = i > 0 && i + 1 == header.axes.size();
-    if (role == AxisRole::kSpatial) {
-      result.spatial.push_back(i);
-    } else if (is_slowest && (role == AxisRole::kTime || axis.kind == "list")) {
-      result.num_steps = axis.size;
-      check_num_steps(name, axis.size);
-    } else if (axis.size > 1 && (i != 0 || role == AxisRole::kTime)) {
-      throw_unsupported(
-          name, fmt::format("axis {} of {} ({} samples, kind '{}') is not spatial: the first axis "
-                            "may hold components, and the last may be time or a list",
-                            i, header.axes.size(), axis.size, axis.kind));
-    } else if (i == 0) {
-      result.num_components = static_cast<int>(axis.size);
-    }
+    const AxisRole role = role_of(name, header, i);
+    if (role == AxisRole::kSpatial) result.spatial.push_back(i);
+    if (header.axes[i].size == 1) continue;
+    if (role == AxisRole::kTime) times.push_back(i);
+    if (role == AxisRole::kList) lists.push_back(i);
+    if (role == AxisRole::kComponents) components.push_back(i);
   }
+  // A list within data in time is one of components.
+  if (!times.empty()) components.insert(components.end(), lists.begin(), lists.end());
+  const bool is_fourth_of_space = result.spatial.size() == 4 && !header.has_directions &&
+                                  is_domain(header.axes[result.spatial.back()]);
+  if (is_fourth_of_space) {
+    const std::size_t last = result.spatial.back();
+    result.spatial.pop_back();
+    if (header.axes[last].size > 1) times.push_back(last);
+    header.notes.push_back(
+        fmt::format("{}: has four spatial axes: axis {} is taken as steps", name, last));
+  }
+  result.components = only_axis(name, header, components);
+  result.steps = only_axis(name, header, times.empty() ? lists : times);
   if (result.spatial.size() < 2 || result.spatial.size() > 3) {
     throw_unsupported(name,
                       fmt::format("has {} spatial axes: expected 2 or 3", result.spatial.size()));
   }
+  if (result.components)
+    result.num_components = static_cast<int>(header.axes[*result.components].size);
+  if (result.steps) result.num_steps = header.axes[*result.steps].size;
+  check_num_steps(name, result.num_steps);
   return result;
+}
+
+// Do a sample's components lie behind each other, and the steps?
+bool are_in_order(const VolumeAxes& axes) {
+  return (!axes.components || *axes.components < axes.spatial.front()) &&
+         (!axes.steps || *axes.steps > axes.spatial.back());
 }
 
 // Step from sample to sample, and place of the first one, along an axis that has no direction.
@@ -190,16 +244,101 @@ SampleParts find_parts(const ByteSource& source, const NrrdHeader& header, const
   return parts;
 }
 
-// Times of the steps, where the axis of time says them.
-std::vector<double> step_times(const NrrdHeader& header, std::int64_t num_steps) {
-  const NrrdAxis& axis = header.axes.back();
+// The value of a key of 3D Slicer's.
+std::string key_of(const NrrdHeader& header, const std::string& key) {
+  const auto found = header.sequence_keys.find(key);
+  return found == header.sequence_keys.end() ? std::string() : found->second;
+}
+
+// What 3D Slicer says of the frames: of a sequence between blanks, of its older multivolumes
+// between commas. Empty if it says nothing, or not a number for each.
+std::vector<double> frame_times(const NrrdHeader& header, std::size_t axis) {
+  std::string text = key_of(header, fmt::format("axis {} index values", axis));
+  const std::string type = lower(key_of(header, fmt::format("axis {} index type", axis)));
+  if (!type.empty() && type != "numeric" && type != "time") return {};
+  if (text.empty()) text = key_of(header, "MultiVolume.FrameLabels");
+  std::replace(text.begin(), text.end(), ',', ' ');
   std::vector<double> times;
-  if (num_steps == 1 || axis.kind != "time" || (!axis.spacing && !(axis.min && axis.max)))
-    return times;
-  const auto [step, start] = step_and_start(axis);
-  for (std::int64_t i = 0; i < num_steps; ++i)
-    times.push_back(start + step * static_cast<double>(i));
-  return times;
+  for (const std::string_view word : words(text)) {
+    const auto time = parse_number<double>(word);
+    if (!time) return {};
+    times.push_back(*time);
+  }
+  return static_cast<std::int64_t>(times.size()) == header.axes[axis].size ? times
+                                                                           : std::vector<double>();
+}
+
+// The times of the steps and their unit, where the header says them.
+void read_times(const NrrdHeader& header, const VolumeAxes& axes, Dataset& dataset) {
+  if (!axes.steps) return;
+  const NrrdAxis& axis = header.axes[*axes.steps];
+  std::vector<double> times = frame_times(header, *axes.steps);
+  std::optional<std::pair<double, double>> even;  // step and start
+  if (axis.direction) {
+    even = {*axis.fourth, header.origin_fourth.value_or(0)};
+  } else if (axis.kind == "time" && (axis.spacing || (axis.min && axis.max))) {
+    even = step_and_start(axis);
+  }
+  if (times.empty() && even) {
+    for (std::int64_t i = 0; i < axis.size; ++i)
+      times.push_back(even->second + even->first * static_cast<double>(i));
+  }
+  if (times.empty()) return;
+  const bool are_rising =
+      std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) == times.end() &&
+      std::all_of(times.begin(), times.end(), [](double time) { return std::isfinite(time); });
+  if (!are_rising) {
+    dataset.notes.push_back(
+        fmt::format("{}: the times of its steps do not rise: steps are numbered", dataset.source));
+    return;
+  }
+  dataset.times = std::move(times);
+  dataset.time_unit = axis.unit;
+  if (axis.direction && header.space_units.size() == 4) dataset.time_unit = header.space_units[3];
+  if (dataset.time_unit.empty())
+    dataset.time_unit = key_of(header, "MultiVolume.FrameIdentifyingDICOMTagUnits");
+}
+
+void tell(const NrrdHeader& header, const VolumeAxes& axes, Dataset& dataset) {
+  const std::vector<std::string>& units = header.space_units;
+  const std::string unit = plain_unit(
+      header.has_directions && !units.empty() ? units[0] : header.axes[axes.spatial[0]].unit);
+  if (!unit.empty() && unit != "mm" && unit != "???") {
+    dataset.notes.push_back(
+        fmt::format("{}: lengths are in {}, as the file has them", dataset.source, unit));
+  }
+  if (!header.has_turned_frame || !axes.components) return;
+  const std::string& kind = header.axes[*axes.components].kind;
+  if (kind.find("vector") != std::string::npos || kind.find("gradient") != std::string::npos ||
+      kind.find("normal") != std::string::npos || kind.find("matrix") != std::string::npos) {
+    dataset.notes.push_back(fmt::format(
+        "{}: 'measurement frame' is not applied: vectors are as they are stored", dataset.source));
+  }
+}
+
+// Samples whose components or steps are not where they are read fastest.
+StridedLayout strided_layout(const NrrdHeader& header, const VolumeAxes& axes,
+                             const StepLayout& layout) {
+  StridedLayout result{{},
+                       layout.type,
+                       layout.num_components,
+                       layout.num_steps,
+                       layout.num_bytes,
+                       layout.is_big_endian};
+  const auto size = static_cast<std::int64_t>(size_of(layout.type));
+  std::int64_t stride = size * layout.num_components;
+  std::size_t next = 0;  // of the spatial axes
+  for (std::size_t i = 0; i < header.axes.size(); ++i) {
+    StridedLayout::Axis axis{header.axes[i].size, 0, axes.steps == i};
+    if (axes.components == i) axis.to_stride = size;
+    if (next < axes.spatial.size() && axes.spatial[next] == i) {
+      axis.to_stride = stride;
+      stride *= axis.count;
+      ++next;
+    }
+    result.axes.push_back(axis);
+  }
+  return result;
 }
 
 bool is_big_endian(const std::string& name, NrrdHeader& header) {
@@ -236,16 +375,20 @@ Dataset read_nrrd(const ByteSource& source, const ReadOptions& options, const Op
   layout.type = header.type;
   layout.num_components = axes.num_components;
   layout.is_big_endian = is_big_endian(source.name(), header);
+  const SampleParts parts = find_parts(source, header, open, num_bytes);
   StepSamples samples =
-      read_step(find_parts(source, header, open, num_bytes), layout, options, header.notes);
+      are_in_order(axes)
+          ? read_step(parts, layout, options, header.notes)
+          : read_strided_step(parts, strided_layout(header, axes, layout), options, header.notes);
   array.bytes = std::move(samples.bytes);
   array.stored = std::move(samples.stored);
   dataset.num_steps = axes.num_steps;
   dataset.step = samples.step;
-  dataset.times = step_times(header, axes.num_steps);
   dataset.arrays.push_back(std::move(array));
-  shorten_notes(header.notes);
-  dataset.notes = std::move(header.notes);
+  read_times(header, axes, dataset);
+  tell(header, axes, dataset);
+  dataset.notes.insert(dataset.notes.begin(), header.notes.begin(), header.notes.end());
+  shorten_notes(dataset.notes);
   return dataset;
 }
 

@@ -11,8 +11,9 @@
 namespace ovoid::io {
 
 // Reads an NRRD volume; `open` finds detached data, whose names are relative to the header's
-// folder. Two or three spatial axes, after at most one axis of components and before at most one of
-// time. The array is called by the header's content, or "values". Throws Error.
+// folder. Two or three spatial axes, at most one of components and one of time or a list of
+// volumes, in any order; components and steps that lie elsewhere than first and last cost a walk
+// over all files. The array is called by the header's content, or "values". Throws Error.
 Dataset read_nrrd(const ByteSource& source, const ReadOptions& options,
                   const Opener& open = open_file);
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -17,6 +18,7 @@ namespace ovoid::io {
 namespace {
 
 constexpr int kMaxDimension = 16;  // NRRD_DIM_MAX
+constexpr int kMostSpace = 4;      // time or another parameter as the fourth
 
 // One "field: value" line and where it stands, for messages.
 struct NrrdField : HeaderField {
@@ -40,20 +42,39 @@ struct HeaderText {
   std::map<std::string, NrrdField> fields;  // by canonical name
   std::vector<std::string> list;            // lines after "data file: LIST"
   std::optional<std::int64_t> data_offset;  // after the blank line, if there is one
-  std::vector<std::string> notes;
+  std::map<std::string, std::string> sequence_keys;
+  bool is_segmentation = false;
 };
 
-// The format's own alternative spellings.
+// The format's own names of fields, each of which may be written without its blanks, too.
 std::string canonical_name(std::string_view name) {
-  static const std::map<std::string, std::string, std::less<>> kAliases{
-      {"datafile", "data file"}, {"lineskip", "line skip"},
-      {"byteskip", "byte skip"}, {"sampleunits", "sample units"},
-      {"axismins", "axis mins"}, {"axismaxs", "axis maxs"},
-      {"centerings", "centers"}, {"blocksize", "block size"},
-      {"oldmin", "old min"},     {"oldmax", "old max"}};
+  static constexpr const char* kSpaced[] = {
+      "data file",        "line skip",    "byte skip",   "sample units",     "axis mins",
+      "axis maxs",        "block size",   "old min",     "old max",          "space dimension",
+      "space directions", "space origin", "space units", "measurement frame"};
   const std::string result = lower(trimmed(name));
-  const auto alias = kAliases.find(result);
-  return alias == kAliases.end() ? result : alias->second;
+  if (result == "centerings") return "centers";
+  for (const char* const spaced : kSpaced) {
+    std::string joined = spaced;
+    std::erase(joined, ' ');
+    if (result == joined) return spaced;
+  }
+  return result;
+}
+
+// Of the keys, which are free for other programs, those that say how axes are to be taken.
+void keep_key(std::string_view line, std::size_t colon, HeaderText& text) {
+  const std::string_view key = trimmed(line.substr(0, colon));
+  constexpr std::string_view kSegment = "Segment";
+  if (key.starts_with(kSegment) && key.size() > kSegment.size() &&
+      std::isdigit(static_cast<unsigned char>(key[kSegment.size()])) != 0)
+    text.is_segmentation = true;
+  constexpr std::size_t kMostKeys = 64;
+  const bool is_of_sequence = (key.starts_with("axis ") && key.find(" index ") != key.npos) ||
+                              key == "MultiVolume.FrameLabels" ||
+                              key == "MultiVolume.FrameIdentifyingDICOMTagUnits";
+  if (is_of_sequence && text.sequence_keys.size() < kMostKeys)
+    text.sequence_keys.emplace(key, trimmed(line.substr(colon + 2)));
 }
 
 HeaderText read_text(const ByteSource& source) {
@@ -84,8 +105,10 @@ HeaderText read_text(const ByteSource& source) {
                   fmt::format("{}: line {}: '{}' is no 'field: value' line", source.name(),
                               reader.number(), line.substr(0, 80)));
     }
-    if (line.compare(colon, 2, ":=") == 0)
-      continue;  // a key and its value: free for other programs
+    if (line.compare(colon, 2, ":=") == 0) {
+      keep_key(line, colon, result);
+      continue;
+    }
     NrrdField field{{&source, reader.number(), canonical_name(line.substr(0, colon)),
                      std::string(trimmed(std::string_view(line).substr(colon + 1)))}};
     is_list = field.name == "data file" && words(field.value).size() <= 2 &&
@@ -160,44 +183,42 @@ Encoding parse_encoding(const NrrdField& field) {
   return found->second;
 }
 
-// "left-posterior-superior" and "LPS" are one space; sets name and dimension.
+// "left-posterior-superior", "left posterior superior", "LeftPosteriorSuperior" and "LPS" are one
+// space; sets name and dimension.
 void parse_space(const NrrdField& field, NrrdHeader& header) {
-  static const std::map<std::string, std::pair<const char*, int>, std::less<>> kSpaces{
-      {"ras", {"right-anterior-superior", 3}},      {"las", {"left-anterior-superior", 3}},
-      {"lps", {"left-posterior-superior", 3}},      {"rast", {"right-anterior-superior-time", 4}},
-      {"last", {"left-anterior-superior-time", 4}}, {"lpst", {"left-posterior-superior-time", 4}}};
-  static const std::map<std::string, int, std::less<>> kNames{{"right-anterior-superior", 3},
-                                                              {"left-anterior-superior", 3},
-                                                              {"left-posterior-superior", 3},
-                                                              {"scanner-xyz", 3},
-                                                              {"3d-right-handed", 3},
-                                                              {"3d-left-handed", 3},
-                                                              {"right-anterior-superior-time", 4},
-                                                              {"left-anterior-superior-time", 4},
-                                                              {"left-posterior-superior-time", 4},
-                                                              {"scanner-xyz-time", 4},
-                                                              {"3d-right-handed-time", 4},
-                                                              {"3d-left-handed-time", 4}};
-  const std::string name = lower(field.value);
-  if (const auto abbreviation = kSpaces.find(name); abbreviation != kSpaces.end()) {
-    header.space = abbreviation->second.first;
-    header.space_dimension = abbreviation->second.second;
-  } else if (const auto full = kNames.find(name); full != kNames.end()) {
-    header.space = name;
-    if (name.starts_with("3d")) header.space[1] = 'D';
-    header.space_dimension = full->second;
-  } else {
-    field.fail(
-        fmt::format("{}: expected a space such as left-posterior-superior, RAS or 3D-right-handed",
-                    field.quoted()));
+  static constexpr std::pair<const char*, const char*> kSpaces[] = {
+      {"right-anterior-superior", "ras"},
+      {"left-anterior-superior", "las"},
+      {"left-posterior-superior", "lps"},
+      {"scanner-xyz", ""},
+      {"3D-right-handed", ""},
+      {"3D-left-handed", ""}};
+  const auto plain = [](std::string_view text) {
+    std::string result = lower(text);
+    std::erase_if(result, [](char c) { return c == '-' || c == ' ' || c == '\t'; });
+    return result;
+  };
+  const std::string name = plain(field.value);
+  for (const auto& [full, abbreviation] : kSpaces) {
+    for (const bool has_time : {false, true}) {
+      const std::string in_full = std::string(full) + (has_time ? "-time" : "");
+      const std::string in_short = std::string(abbreviation) + (has_time ? "t" : "");
+      if (name != plain(in_full) && (*abbreviation == '\0' || name != in_short)) continue;
+      header.space = in_full;
+      header.space_dimension = has_time ? 4 : 3;
+      return;
+    }
   }
+  field.fail(
+      fmt::format("{}: expected a space such as left-posterior-superior, RAS or 3D-right-handed",
+                  field.quoted()));
 }
 
-// Vectors "(x,y,z)" and, where allowed, "none". Components beyond the space's are not accepted,
-// missing ones (a plane) are 0.
-std::vector<std::optional<std::array<double, 3>>> parse_vectors(const NrrdField& field,
-                                                                int dimension) {
-  std::vector<std::optional<std::array<double, 3>>> result;
+// Vectors "(x,y,z)" of up to four numbers and, where allowed, "none". Components beyond the space's
+// are not accepted, missing ones (a plane) are 0.
+using NrrdVector = std::array<double, 4>;
+std::vector<std::optional<NrrdVector>> parse_vectors(const NrrdField& field, int dimension) {
+  std::vector<std::optional<NrrdVector>> result;
   std::string_view rest = trimmed(field.value);
   while (!rest.empty()) {
     if (lower(rest.substr(0, 4)) == "none") {
@@ -219,7 +240,7 @@ std::vector<std::optional<std::array<double, 3>>> parse_vectors(const NrrdField&
     if (static_cast<int>(numbers.size()) != dimension) {
       field.fail(fmt::format("({}): expected {} numbers", inside.substr(0, 80), dimension));
     }
-    std::array<double, 3> vector{0, 0, 0};
+    NrrdVector vector{};
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       vector[i] = field.number<double>(numbers[i], "a number");
       if (!std::isfinite(vector[i]))
@@ -276,11 +297,39 @@ std::string unquoted(std::string_view text) {
   return std::string(text);
 }
 
+// Texts in quotes, as the format writes one for each axis; of others the words.
+std::vector<std::string> quoted_texts(std::string_view text) {
+  std::vector<std::string> result;
+  while (!(text = trimmed(text)).empty()) {
+    const bool is_quoted = text.front() == '"';
+    if (is_quoted) text.remove_prefix(1);
+    std::size_t end = 0;
+    while (end < text.size() && (is_quoted ? text[end] != '"' : !is_blank(text[end]))) ++end;
+    result.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(text.size(), end + 1));
+  }
+  return result;
+}
+
+// Does a matrix, its columns as vectors, turn nothing? What cannot be read says nothing.
+bool turns_vectors(std::string_view value) {
+  std::string text(value);
+  for (char& c : text)
+    if (c == '(' || c == ')' || c == ',') c = ' ';
+  const auto numbers = words(text);
+  if (numbers.size() != 9) return false;
+  constexpr double kSame = 1e-6;
+  for (std::size_t i = 0; i < 9; ++i) {
+    const auto number = parse_number<double>(numbers[i]);
+    if (number && std::abs(*number - (i % 4 == 0 ? 1 : 0)) > kSame) return true;
+  }
+  return false;
+}
+
 // Fields that say nothing about the samples' values or places, or that are restated by others.
 bool is_ignored(const std::string& name) {
-  static constexpr const char* kIgnored[] = {
-      "number", "min",   "max",         "old min",     "old max",          "block size",
-      "labels", "units", "space units", "thicknesses", "measurement frame"};
+  static constexpr const char* kIgnored[] = {"number",  "min",        "max",    "old min",
+                                             "old max", "block size", "labels", "thicknesses"};
   return std::find(std::begin(kIgnored), std::end(kIgnored), name) != std::end(kIgnored);
 }
 
@@ -300,6 +349,8 @@ class Interpreter {
     if (const auto field = take("content")) header_.content = unquoted(field->value);
     if (const auto field = take("sample units")) header_.unit = unquoted(field->value);
     read_data_position(dimension);
+    header_.sequence_keys = std::move(text_.sequence_keys);
+    header_.is_segmentation = text_.is_segmentation;
     for (const auto& [name, field] : text_.fields) {
       if (!is_ignored(name)) {
         header_.notes.push_back(fmt::format("{}: line {}: field '{}' is not known and ignored",
@@ -377,6 +428,11 @@ class Interpreter {
         header_.axes[i].is_node_centered = value == "node";
       }
     }
+    if (const auto field = take("units")) {
+      const std::vector<std::string> units = quoted_texts(field->value);
+      for (std::size_t i = 0; i < std::min(dimension, units.size()); ++i)
+        header_.axes[i].unit = units[i];
+    }
   }
 
   void read_space(std::size_t dimension) {
@@ -397,10 +453,10 @@ class Interpreter {
       if (!*field) continue;
       if (header_.space_dimension == 0)
         (*field)->fail("needs a 'space' or 'space dimension' field");
-      if (header_.space_dimension > 3)
-        (*field)->fail(
-            fmt::format("a space of {} dimensions: expected 2 or 3", header_.space_dimension),
-            ErrorCode::kUnsupported);
+      if (header_.space_dimension > kMostSpace)
+        (*field)->fail(fmt::format("a space of {} dimensions: expected 2, 3, or 4 with time",
+                                   header_.space_dimension),
+                       ErrorCode::kUnsupported);
     }
     if (directions) {
       const auto vectors = parse_vectors(*directions, header_.space_dimension);
@@ -409,14 +465,24 @@ class Interpreter {
                                      vectors.size(), dimension));
       }
       header_.has_directions = true;
-      for (std::size_t i = 0; i < dimension; ++i) header_.axes[i].direction = vectors[i];
+      for (std::size_t i = 0; i < dimension; ++i) {
+        if (!vectors[i]) continue;
+        const auto [x, y, z, fourth] = *vectors[i];
+        header_.axes[i].direction = {x, y, z};
+        if (header_.space_dimension == kMostSpace) header_.axes[i].fourth = fourth;
+      }
     }
     if (origin) {
       const auto vectors = parse_vectors(*origin, header_.space_dimension);
       if (vectors.size() != 1 || !vectors[0])
         origin->fail(fmt::format("{}: expected one vector", origin->quoted()));
-      header_.origin = vectors[0];
+      const auto [x, y, z, fourth] = *vectors[0];
+      header_.origin = {x, y, z};
+      if (header_.space_dimension == kMostSpace) header_.origin_fourth = fourth;
     }
+    if (const auto field = take("space units")) header_.space_units = quoted_texts(field->value);
+    if (const auto field = take("measurement frame"))
+      header_.has_turned_frame = turns_vectors(field->value);
   }
 
   std::int64_t read_skip(const char* name, std::int64_t least) {

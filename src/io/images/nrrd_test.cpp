@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fuzz/seeds.h"
@@ -126,9 +129,146 @@ TEST(Nrrd, SlicesAndComponents) {
                 .num_components,
             3);
   EXPECT_EQ(error(nrrd(four, std::string(72, 'x'))).substr(0, 28), "unsupported: dir/a.nrrd: 4 a");
-  EXPECT_EQ(error(nrrd(four + "kinds: domain domain domain vector\n", std::string(72, 'x'))),
-            "unsupported: dir/a.nrrd: axis 3 of 4 (2 samples, kind 'vector') is not spatial: the "
-            "first axis may hold components, and the last may be time or a list");
+  EXPECT_EQ(
+      error(nrrd(with(four, "dimension: 4\nsizes: 3 4 3 2", "dimension: 5\nsizes: 3 4 3 2 2") +
+                     "kinds: vector domain domain domain vector\n",
+                 std::string(144, 'x'))),
+      "unsupported: dir/a.nrrd: axes 0 (kind 'vector') and 4 (kind 'vector') of 5 are both "
+      "not spatial: expected 2 or 3 spatial axes, one of components and one of time or a "
+      "list");
+}
+
+// Fails if an axis of components or steps is read where another order has it, in any encoding.
+TEST(Nrrd, ComponentsAndStepsMayBeAnyAxis) {
+  const auto value = [](int x, int y, int z, int c, int t) {
+    return static_cast<std::int16_t>(1 + x + 3 * y + 6 * z + 12 * c + 300 * t);
+  };
+  constexpr int kX = 3, kY = 2, kZ = 2, kC = 2, kT = 4;
+  std::vector<std::int16_t> expected;  // of step 2
+  for (int z = 0; z < kZ; ++z)
+    for (int y = 0; y < kY; ++y)
+      for (int x = 0; x < kX; ++x)
+        for (int c = 0; c < kC; ++c) expected.push_back(value(x, y, z, c, 2));
+  for (const char* const order :
+       {"ctxyz", "txyzc", "xyczt", "xtyzc", "cxytz", "xyztc", "cxyzt", "tcxyz"}) {
+    std::string sizes, kinds;
+    std::vector<std::int16_t> stored;
+    std::array<int, 5> counts{}, at{};
+    for (std::size_t a = 0; a < 5; ++a) {
+      const char axis = order[a];
+      counts[a] = axis == 'x' ? kX : axis == 't' ? kT : 2;
+      sizes += " " + std::to_string(counts[a]);
+      kinds += axis == 'c' ? " 2-vector" : axis == 't' ? " list" : " space";
+    }
+    for (int i = 0; i < kX * kY * kZ * kC * kT; ++i) {
+      std::map<char, int> of;
+      for (std::size_t a = 0; a < 5; ++a) of[order[a]] = at[a];
+      stored.push_back(value(of['x'], of['y'], of['z'], of['c'], of['t']));
+      for (std::size_t a = 0; a < 5 && ++at[a] == counts[a]; ++a) at[a] = 0;
+    }
+    std::string text, swapped = bytes_of(stored);
+    for (const auto sample : stored) text += std::to_string(sample) + " ";
+    for (std::size_t i = 0; i < swapped.size(); i += 2) std::swap(swapped[i], swapped[i + 1]);
+    const std::string fields = "type: short\nendian: little\ndimension: 5\nsizes:" + sizes +
+                               "\nkinds:" + kinds + "\nencoding: raw\n";
+    ReadOptions options;
+    options.step = 2;
+    for (const std::string& content :
+         {nrrd(fields, bytes_of(stored)), nrrd(with(fields, "raw", "gzip"), gzip(bytes_of(stored))),
+          nrrd(with(fields, "raw", "ascii"), text), nrrd(with(fields, "little", "big"), swapped)}) {
+      const Dataset dataset = read_text(content, {}, options);
+      EXPECT_EQ(dataset.lattice.dims, (Index3{kX, kY, kZ})) << order;
+      EXPECT_EQ(dataset.num_steps, kT) << order;
+      EXPECT_EQ(dataset.array().num_components, kC) << order;
+      EXPECT_EQ(values_of<std::int16_t>(dataset.array()), expected) << order;
+    }
+  }
+}
+
+// Of a list of volumes the first that varies, as of steps that lie behind each other; its frames
+// may have times.
+TEST(Nrrd, SequencesOfSlicer) {
+  const std::string fields =
+      "type: uint8\ndimension: 4\nspace: left-posterior-superior\nsizes: 3 2 1 2\nspace "
+      "directions: "
+      "none (2,0,0) (0,3,0) (0,0,4)\nkinds: list domain domain domain\nunits: \"s\" \"mm\" \"mm\" "
+      "\"mm\"\nencoding: raw\nspace origin: (1,2,3)\n";
+  const std::string frames = "axis 0 index type:=numeric\naxis 0 index values:=0 0.5 2\n";
+  const std::string data = "aabaccadeafg";
+  const Dataset found =
+      read_text(nrrd(with(fields, "sizes: 3 2 1 2", "sizes: 3 2 1 2") + frames, data));
+  EXPECT_EQ(found.num_steps, 3);
+  EXPECT_EQ(found.step, 1);
+  EXPECT_EQ(values_of<char>(found.array()), (std::vector<char>{'a', 'c', 'd', 'f'}));
+  EXPECT_EQ(found.times, (std::vector<double>{0, 0.5, 2}));
+  EXPECT_EQ(found.time_unit, "s");
+  EXPECT_EQ(found.lattice.world_from_index * Vec3(1, 0, 1), Vec3(3, 2, 7));
+  // Texts are no times, and times rise.
+  EXPECT_TRUE(read_text(nrrd(fields + with(frames, "numeric", "text"), data)).times.empty());
+  const Dataset falling = read_text(nrrd(fields + with(frames, "0 0.5 2", "0 2 0.5"), data));
+  EXPECT_TRUE(falling.times.empty());
+  EXPECT_EQ(falling.notes.back(),
+            "dir/a.nrrd: the times of its steps do not rise: steps are numbered");
+  EXPECT_EQ(read_text(nrrd(fields + "MultiVolume.FrameLabels:=1,2,4\n", data)).times,
+            (std::vector<double>{1, 2, 4}));
+  // The layers of a segmentation are one data set.
+  const Dataset layers = read_text(nrrd(fields + "Segment0_ID:=Segment_1\n", data));
+  EXPECT_EQ(layers.num_steps, 1);
+  EXPECT_EQ(layers.array().num_components, 3);
+}
+
+// ITK writes four dimensions of space without a name; the format has names with time.
+TEST(Nrrd, SpacesOfFourDimensions) {
+  const std::string fields =
+      "type: uint8\ndimension: 4\nspace dimension: 4\nsizes: 2 2 1 2\nspace directions: (2,0,0,0) "
+      "(0,3,0,0) (0,0,4,0) (0,0,0,0.5)\nkinds: domain domain domain domain\nencoding: raw\nspace "
+      "origin: (1,2,3,7)\n";
+  ReadOptions last;
+  last.step = 1;
+  for (const char* const space :
+       {"space dimension: 4", "space: LPST", "space: left-posterior-superior-time",
+        "space: right anterior superior time", "space: Scanner-XYZ-Time",
+        "space: 3D-right-handed-time", "space: LeftPosteriorSuperiorTime"}) {
+    const Dataset dataset =
+        read_text(nrrd(with(fields, "space dimension: 4", space), "abcdefgh"), {}, last);
+    EXPECT_EQ(dataset.lattice.dims, (Index3{2, 2, 1})) << space;
+    EXPECT_EQ(values_of<char>(dataset.array()), (std::vector<char>{'e', 'f', 'g', 'h'})) << space;
+    EXPECT_EQ(dataset.lattice.world_from_index * Vec3(1, 1, 1), Vec3(3, 5, 7)) << space;
+    EXPECT_EQ(dataset.times, (std::vector<double>{7, 7.5})) << space;
+    const std::string name = space;
+    EXPECT_EQ(dataset.space, name.find("LPS") != name.npos || name.find("ost") != name.npos
+                                 ? Space::kLps
+                             : name.find("right ant") != name.npos ? Space::kRas
+                                                                   : Space::kNone)
+        << space;
+  }
+  EXPECT_EQ(error(nrrd(with(fields, "(0,0,4,0)", "(0,0,4,1)"), "abcdefgh")),
+            "unsupported: dir/a.nrrd: space directions: an axis is aslant on the fourth dimension: "
+            "expected axes in the first three, and perhaps one along the fourth");
+  EXPECT_EQ(error(nrrd(with(fields, "space dimension: 4", "space dimension: 5"), "abcdefgh")),
+            "unsupported: dir/a.nrrd: line 6: space directions: a space of 5 dimensions: expected "
+            "2, 3, or 4 with time");
+}
+
+TEST(Nrrd, FieldsMayBeWrittenWithoutBlanks) {
+  const Dataset dataset = read_text(
+      nrrd(kBase + "SPACE: LPS\nspacedirections: (2,0,0) (0,3,0) (0,0,4)\nspaceorigin: (1,2,3)\n"
+                   "spaceunits: \"um\" \"um\" \"um\"\nmeasurementframe: (1,0,0) (0,1,0) (0,0,1)\n",
+           std::string(24, 'x')));
+  EXPECT_EQ(dataset.lattice.world_from_index * Vec3(1, 1, 1), Vec3(3, 5, 7));
+  EXPECT_EQ(dataset.notes,
+            (std::vector<std::string>{"dir/a.nrrd: lengths are in um, as the file has them"}));
+}
+
+// Vectors are not turned, which is told; colours have nothing to turn.
+TEST(Nrrd, MeasurementFramesAreToldOfVectors) {
+  const std::string fields =
+      "type: uint8\ndimension: 4\nsizes: 3 2 2 1\nencoding: raw\nspace: LPS\nspace directions: "
+      "none "
+      "(1,0,0) (0,1,0) (0,0,1)\nmeasurement frame: (0,1,0) (1,0,0) (0,0,1)\nkinds: 3-vector space "
+      "space space\n";
+  EXPECT_EQ(read_text(nrrd(fields, "abcdefghijkl")).notes.size(), 1U);
+  EXPECT_TRUE(read_text(nrrd(with(fields, "3-vector", "RGB-color"), "abcdefghijkl")).notes.empty());
 }
 
 // Fails if a step is counted in wrong bytes, if the search begins again for each step or takes a

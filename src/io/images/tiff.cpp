@@ -6,11 +6,15 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "data/bookkeeping.h"
 #include "data/parallel.h"
+#include "io/core/axis_order.h"
+#include "io/core/chunked_array.h"
 #include "io/core/sample_parts.h"
 #include "io/core/samples.h"
 #include "io/core/samples_in_file.h"
@@ -18,6 +22,7 @@
 #include "io/images/tiff_blocks.h"
 #include "io/images/tiff_description.h"
 #include "io/images/tiff_file.h"
+#include "io/images/tiff_shaped.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -41,34 +46,55 @@ class TiffVolume {
     dataset_.source = source_.name();
     dataset_.format = "TIFF";
     choose_stack();
-    check_planes();
-    const TiffPage& page = file_.pages()[0];
-    dataset_.lattice.dims = {page.width, page.height, stack_.num_slices};
-    dataset_.num_steps = stack_.num_frames;
-    check_num_steps(source_.name() + ": frames", stack_.num_frames);
+    for (const std::string& what : stack_.notes) note(what);
+    const bool is_in_order = options_.raw.axis_order.empty() && stack_.order.empty();
+    if (!is_in_order) {
+      read_in_order();
+    } else {
+      check_planes();
+      const TiffPage& page = file_.pages()[0];
+      dataset_.lattice.dims = {page.width, page.height, stack_.num_slices};
+      dataset_.num_steps = stack_.num_frames;
+      check_num_steps(source_.name() + ": frames", stack_.num_frames);
+    }
     if (stack_.frame_interval) {
-      for (std::int64_t step = 0; step < stack_.num_frames; ++step)
+      for (std::int64_t step = 0; step < dataset_.num_steps; ++step)
         dataset_.times.push_back(static_cast<double>(step) * *stack_.frame_interval);
       dataset_.time_unit = stack_.time_unit;
     }
     place();
     tell();
-    read_arrays();
-    for (DataArray& array : dataset_.arrays) widen_short_floats(page.short_float, array);
+    if (is_in_order) read_arrays();
+    for (DataArray& array : dataset_.arrays) {
+      if (is_in_order) widen_short_floats(file_.pages()[0].short_float, array);
+      array.value_scale = stack_.value_scale;
+      array.value_offset = stack_.value_offset;
+      array.unit = stack_.value_unit;
+    }
     return std::move(dataset_);
   }
 
  private:
+  void note(const std::string& what) {
+    dataset_.notes.push_back(fmt::format("{}: {}", source_.name(), what));
+  }
+
   void choose_stack() {
     const auto num_pages = static_cast<std::int64_t>(file_.pages().size());
     if (looks_like_ome(file_.description())) {
       std::vector<TiffStack> stacks = ome_stacks(source_.name(), file_.description());
       stack_ = std::move(stacks[choose_image(stacks)]);
+      if (stacks.size() == 1) take_pages_that_are_there();
       return;
     }
-    if (auto stack = imagej_stack(file_.description(), num_pages, file_.resolution())) {
+    if (auto stack = imagej_stack(file_)) {
       stack_ = std::move(*stack);
-      if (num_pages == 1 && stack_.num_planes() > 1) run_ = file_.run(stack_.num_planes());
+      take_run();
+      return;
+    }
+    if (std::vector<TiffStack> stacks = shaped_stacks(file_); !stacks.empty()) {
+      stack_ = std::move(stacks[choose_image(stacks)]);
+      take_run();
       return;
     }
     stack_.num_slices = num_pages;
@@ -76,6 +102,94 @@ class TiffVolume {
       stack_.spacing = {(*size)[0], (*size)[1], std::nullopt};
       stack_.length_unit = "mm";
     }
+    constexpr std::uint16_t kMetaMorphPlanes = 33629;  // a value for each plane
+    const std::uint64_t num_planes = file_.num_values(kMetaMorphPlanes);
+    if (num_pages == 1 && num_planes > 1 && num_planes <= kMaxTiffPages) {
+      stack_.num_slices = static_cast<std::int64_t>(num_planes);
+      take_run();
+    }
+    if (const std::string program = unread_tiff_program(file_); !program.empty()) {
+      note(
+          fmt::format("was written by {}, whose own description is not read: pages are slices; "
+                      "Fiji makes an OME-TIFF of it",
+                      program));
+    }
+  }
+
+  // One directory may stand for planes behind each other. A description that was copied to a file
+  // of one plane does not make it more.
+  void take_run() {
+    if (file_.pages().size() != 1 || stack_.num_planes() == 1) return;
+    run_ = file_.run(stack_.num_planes());
+    if (run_ && run_->offset + 2 * file_.pages()[0].num_bytes() <= source_.size()) return;
+    run_.reset();
+    stack_.notes.push_back(
+        fmt::format("its description names {} slices, {} channels and {} time steps, and it has "
+                    "one page, which is read",
+                    stack_.num_slices, stack_.num_channels, stack_.num_frames));
+    stack_.num_slices = stack_.num_channels = stack_.num_frames = 1;
+    stack_.channels.clear();
+    stack_.order.clear();
+    stack_.shape.clear();
+  }
+
+  // Of pages that follow each other in the order of the description there may be too few: of steps
+  // those are taken that are whole.
+  void take_pages_that_are_there() {
+    const auto num_pages = static_cast<std::int64_t>(file_.pages().size());
+    if (!stack_.directories.empty() || stack_.first + stack_.num_planes() <= num_pages) return;
+    const std::int64_t num_planes = stack_.num_planes();
+    const std::int64_t in_frame = stack_.num_slices * stack_.num_channels;
+    const bool are_frames_last = stack_.num_frames > 1 && stack_.strides[2] == in_frame;
+    if (are_frames_last && num_pages >= in_frame) {
+      stack_.num_frames = num_pages / in_frame;
+    } else {
+      stack_.num_slices = num_pages;
+      stack_.num_channels = stack_.num_frames = 1;
+      stack_.strides = {1, 0, 0};
+      stack_.channels.clear();
+    }
+    note(fmt::format(
+        "its description names {} planes, and it has {} pages: these are read, as {} "
+        "slices, {} channels and {} time steps",
+        num_planes, num_pages, stack_.num_slices, stack_.num_channels, stack_.num_frames));
+  }
+
+  // Axes in another order, or the one that is asked for. Chunks are pages.
+  void read_in_order() {
+    const TiffPage& page = file_.pages()[0];
+    ChunkedArray array;
+    array.where = source_.name();
+    array.axes = stack_.order;
+    array.shape = stack_.shape;
+    if (array.shape.empty()) {
+      array.shape = {stack_.num_planes(), page.height, page.width};
+      if (page.num_components > 1) array.shape.push_back(page.num_components);
+    }
+    if (!options_.raw.axis_order.empty()) {
+      array.axes = options_.raw.axis_order;
+      check_axis_order(source_.name(), array.axes, array.shape);
+    }
+    const std::size_t num_in_page = page.num_components > 1 ? 3 : 2;
+    array.chunk = array.shape;
+    std::fill(array.chunk.begin(), array.chunk.end() - static_cast<std::ptrdiff_t>(num_in_page), 1);
+    array.type = page.type;
+    array.short_float = page.short_float;
+    array.is_big_endian = std::endian::native == std::endian::big;
+    array.channels = stack_.channels;
+    check_chunked(array);
+    check_file_holds(checked_num_bytes(source_.name() + ": size", array.shape, page.type));
+    array.read = [this, shape = array.shape, num_in_page](std::span<const std::int64_t> number,
+                                                          std::span<std::byte> out) {
+      std::int64_t plane = 0;
+      for (std::size_t a = 0; a + num_in_page < shape.size(); ++a)
+        plane = plane * shape[a] + number[a];
+      read_plane(stack_.first + plane, out);
+      return true;
+    };
+    ReadOptions options = options_;
+    options.may_stay_in_file = false;  // the pages are this reader's
+    read_chunked({array}, options, dataset_);
   }
 
   std::size_t choose_image(const std::vector<TiffStack>& stacks) {
@@ -138,14 +252,12 @@ class TiffVolume {
   void place() {
     Vec3 spacing(1, 1, 1);
     const auto& told = stack_.spacing;
-    const auto note = [&](const std::string& what) {
-      dataset_.notes.push_back(fmt::format("{}: {}", source_.name(), what));
-    };
     if (options_.raw.spacing) {
       spacing = *options_.raw.spacing;
-    } else if (told[0] && told[1]) {
-      spacing = {*told[0], *told[1], told[2].value_or(*told[0])};
-      if (!told[2] && stack_.num_slices > 1) {
+    } else if (told[0] || told[1] || told[2]) {
+      const double pixel = told[0].value_or(told[1].value_or(1));
+      spacing = {pixel, told[1].value_or(pixel), told[2].value_or(pixel)};
+      if (!told[2] && dataset_.lattice.dims[2] > 1) {
         note(
             fmt::format("the distance of slices is not said: taken to be that of pixels, {:g}; "
                         "--spacing says another",
@@ -161,9 +273,6 @@ class TiffVolume {
 
   void tell() {
     const TiffPage& page = file_.pages()[0];
-    const auto note = [&](const std::string& what) {
-      dataset_.notes.push_back(fmt::format("{}: {}", source_.name(), what));
-    };
     if (file_.num_left_out() > 0) {
       note(fmt::format("{} pages in miniature or of lower resolution are left out",
                        file_.num_left_out()));
@@ -345,8 +454,12 @@ SliceShape shape_of_tiff(const ByteSource& source) {
   SliceShape shape{page.width, page.height, page.type, page.num_components, page.short_float};
   shape.spacing = pixel_size_mm(file);
   shape.length_unit = "mm";
-  if (const auto stack = imagej_stack(file.description(), 1, file.resolution());
-      stack && stack->spacing[0] && stack->spacing[1]) {
+  std::optional<TiffStack> stack = imagej_stack(file);
+  if (!stack) {
+    if (std::vector<TiffStack> stacks = shaped_stacks(file); !stacks.empty())
+      stack = std::move(stacks[0]);
+  }
+  if (stack && stack->spacing[0] && stack->spacing[1]) {
     shape.spacing = std::array{*stack->spacing[0], *stack->spacing[1]};
     shape.length_unit = stack->length_unit;
   }

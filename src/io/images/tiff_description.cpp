@@ -281,38 +281,117 @@ std::int64_t TiffStack::page(std::int64_t z, std::int64_t channel, std::int64_t 
   return directories[static_cast<std::size_t>((frame * num_channels + channel) * num_slices + z)];
 }
 
-std::optional<TiffStack> imagej_stack(std::string_view description, std::int64_t num_pages,
-                                      const std::optional<TiffFile::Resolution>& resolution) {
-  if (!description.starts_with("ImageJ=")) return std::nullopt;
-  std::map<std::string, std::string> values;
+namespace {
+
+using ImageJValues = std::map<std::string, std::string>;
+
+ImageJValues imagej_values(std::string_view description) {
+  ImageJValues values;
   while (!description.empty()) {
     const std::size_t end = std::min(description.find('\n'), description.size());
     const std::string_view line = description.substr(0, end);
     description.remove_prefix(std::min(end + 1, description.size()));
     if (const std::size_t equals = line.find('='); equals != std::string_view::npos)
-      values.emplace(line.substr(0, equals), trimmed(line.substr(equals + 1)));
+      values.emplace(lower(trimmed(line.substr(0, equals))), trimmed(line.substr(equals + 1)));
   }
+  return values;
+}
+
+// Which page is which. Where numbers and pages contradict each other, the pages are slices.
+void order_imagej_pages(const TiffFile& file, ImageJValues& values, TiffStack& stack) {
   const auto count = [&](const char* key) {
     return std::max<std::int64_t>(1, count_in(values[key]).value_or(1));
   };
-  TiffStack stack;
-  stack.num_channels = count("channels");
-  stack.num_slices = count("slices");
-  stack.num_frames = count("frames");
-  const std::int64_t num_images = num_pages > 1 ? num_pages : count("images");
-  const std::array sizes{stack.num_channels, stack.num_slices, stack.num_frames};
+  std::array sizes{count("slices"), count("channels"), count("frames")};
+  const auto num_pages = static_cast<std::int64_t>(file.pages().size());
+  const std::int64_t num_told = checked_product(sizes).value_or(0);
+  const std::int64_t num_images = num_pages > 1 ? num_pages : std::max(num_told, count("images"));
+  // Samples of a pixel may be told as channels.
+  if (sizes[1] == file.pages()[0].num_samples && sizes[0] * sizes[2] == num_images) sizes[1] = 1;
   if (checked_product(sizes).value_or(0) != num_images) {
-    stack.num_channels = stack.num_frames = 1;
-    stack.num_slices = num_images;
+    if (num_told > 1) {
+      stack.notes.push_back(fmt::format(
+          "its description names {} slices, {} channels and {} time steps, and it has {} pages: "
+          "these are taken as slices",
+          sizes[0], sizes[1], sizes[2], num_images));
+    }
+    sizes = {num_images, 1, 1};
   }
-  stack.strides = {stack.num_channels, 1, stack.num_channels * stack.num_slices};
+  stack.num_slices = sizes[0];
+  stack.num_channels = sizes[1];
+  stack.num_frames = sizes[2];
+  // The axis that changes fastest comes first.
+  std::string order = lower(values["order"]);
+  std::string letters = order;
+  std::sort(letters.begin(), letters.end());
+  if (letters != "ctz") order = "czt";
+  std::int64_t stride = 1;
+  for (const char letter : order) {
+    const std::size_t axis = letter == 'z' ? 0 : letter == 'c' ? 1 : 2;
+    stack.strides[axis] = stride;
+    stride *= sizes[axis];
+  }
+}
+
+// A straight line from stored to calibrated values. Others are told, and the values are the stored
+// ones. Floats have none.
+void calibrate_imagej_values(const TiffFile& file, ImageJValues& values, TiffStack& stack) {
+  const ScalarType type = file.pages()[0].type;
+  const auto function = parse_field(values["cf"]);
+  if (!function || std::isnan(*function) || is_floating(type) || file.pages()[0].num_samples > 1) return;
+  const auto c0 = parse_field(values["c0"]), c1 = parse_field(values["c1"]);
+  if (*function != 0 || !c0 || !c1 || !std::isfinite(*c0) || !std::isfinite(*c1) || *c1 == 0) {
+    stack.notes.push_back(
+        fmt::format("has a calibration of values that is no straight line (function {:g}), which "
+                    "is not read: values are those that it stores",
+                    *function));
+    return;
+  }
+  // ImageJ keeps signed samples of 16 bits without a sign, and its function is of these.
+  constexpr double kSignedFrom = 32768;
+  stack.value_scale = *c1;
+  stack.value_offset = *c0 + (type == ScalarType::kInt16 ? *c1 * kSignedFrom : 0);
+  stack.value_unit = values["vunit"];
+  if (stack.value_unit == "Gray Value" || stack.value_unit == "gray value")
+    stack.value_unit.clear();
+}
+
+void place_imagej_pages(const TiffFile& file, ImageJValues& values, TiffStack& stack) {
   stack.length_unit = plain_unit(values["unit"]);
-  if (resolution) stack.spacing = {1 / resolution->x, 1 / resolution->y, 1.0};
-  if (const auto distance = length_in(values["spacing"])) stack.spacing[2] = distance;
-  if (const auto interval = length_in(values["finterval"])) {
-    stack.frame_interval = interval;
-    stack.time_unit = "s";
+  constexpr int kCentimetre = 3;
+  if (const auto& resolution = file.resolution()) {
+    // Centimetres beside another unit of length are those of the page.
+    const auto metres = metres_in(stack.length_unit);
+    const double scale =
+        resolution->unit == kCentimetre && stack.length_unit == "um" && metres ? 0.01 / *metres : 1;
+    stack.spacing = {scale / resolution->x, scale / resolution->y, 1.0};
   }
+  // Stacks that were taken downwards have a spacing below 0.
+  if (const auto distance = parse_field(values["spacing"]);
+      distance && std::isfinite(*distance) && *distance != 0)
+    stack.spacing[2] = std::abs(*distance);
+  const auto rate = length_in(values["fps"]);
+  const auto interval = length_in(values["finterval"]);
+  if (!interval && !rate) return;
+  stack.frame_interval = interval ? *interval : 1 / *rate;
+  stack.time_unit = values["tunit"].empty() ? "s" : values["tunit"];
+}
+
+}  // namespace
+
+std::optional<TiffStack> imagej_stack(const TiffFile& file) {
+  std::string description = file.description();
+  if (!description.starts_with("ImageJ=")) {
+    // A second description, behind another program's.
+    for (const std::string& other : file.descriptions(file.pages()[0]))
+      if (other.starts_with("ImageJ=")) description = other;
+  }
+  if (!description.starts_with("ImageJ=")) return std::nullopt;
+  ImageJValues values = imagej_values(description);
+  TiffStack stack;
+  order_imagej_pages(file, values, stack);
+  place_imagej_pages(file, values, stack);
+  calibrate_imagej_values(file, values, stack);
   return stack;
 }
 
@@ -324,6 +403,27 @@ bool looks_like_ome(std::string_view description) noexcept {
 
 std::vector<TiffStack> ome_stacks(const std::string& file, const std::string& description) {
   return OmeReader(file, description).run();
+}
+
+std::string unread_tiff_program(const TiffFile& file) {
+  // Fields that programs have registered, or take without.
+  static constexpr std::pair<std::uint16_t, const char*> kFields[] = {
+      {34412, "Zeiss LSM"},     {33629, "MetaMorph (STK)"}, {34361, "Olympus FluoView"},
+      {51123, "Micro-Manager"}, {33560, "Olympus SIS"},     {65420, "Hamamatsu NDPI"},
+      {34118, "Zeiss SEM"},     {34680, "FEI SEM"},         {34682, "FEI SEM"},
+      {37706, "TVIPS"},         {33550, "GeoTIFF"},         {34264, "GeoTIFF"},
+      {50838, "ImageJ"}};
+  for (const auto& [tag, program] : kFields)
+    if (file.has_field(tag)) return program;
+  static constexpr std::pair<std::string_view, const char*> kTexts[] = {
+      {"frameNumbers = ", "ScanImage"}, {"state.config", "ScanImage"},
+      {"scanimage.SI", "ScanImage"},    {"Aperio ", "Aperio SVS"},
+      {"<MetaData>", "MetaMorph"},      {"ImageJ", "ImageJ"},
+      {"{\"shape\"", "tifffile"},       {"<PerkinElmer-QPI", "PerkinElmer QPI"}};
+  const std::string_view start = std::string_view(file.description()).substr(0, 4096);
+  for (const auto& [text, program] : kTexts)
+    if (start.find(text) != std::string_view::npos) return program;
+  return {};
 }
 
 }  // namespace ovoid::io

@@ -29,16 +29,23 @@ struct TiffStack {
   std::string length_unit{};
   std::optional<double> frame_interval{};
   std::string time_unit{};
+  // Of values: stored x scale + offset, and their unit.
+  double value_scale = 1, value_offset = 0;
+  std::string value_unit{};
+  std::vector<std::string> notes{};  // without the file's name
+  // Of arrays whose planes are other than (y, x): the axes (io/core/axis_order.h), pages' own last;
+  // empty for all others. The samples along these axes, where they are known.
+  std::string order{};
+  std::vector<std::int64_t> shape{};
 
   std::int64_t num_planes() const noexcept { return num_slices * num_channels * num_frames; }
   // The page of a plane, by its number in the file or among its pages.
   std::int64_t page(std::int64_t z, std::int64_t channel, std::int64_t frame) const;
 };
 
-// ImageJ's description: "ImageJ=1.53t\nimages=12\nchannels=2\nslices=6\n...". Empty for another
-// text. `resolution`: the file's, in pixels per unit.
-std::optional<TiffStack> imagej_stack(std::string_view description, std::int64_t num_pages,
-                                      const std::optional<TiffFile::Resolution>& resolution);
+// ImageJ's description: "ImageJ=1.53t\nimages=12\nchannels=2\nslices=6\n...". Empty for a file
+// without one.
+std::optional<TiffStack> imagej_stack(const TiffFile& file);
 
 bool looks_like_ome(std::string_view description) noexcept;
 
@@ -46,5 +53,8 @@ bool looks_like_ome(std::string_view description) noexcept;
 // tell planes that lie in other files. Planes are told by directories. Throws Error: kFileFormat
 // for sizes that no file has, kUnsupported for planes in other files.
 std::vector<TiffStack> ome_stacks(const std::string& file, const std::string& description);
+
+// The program that wrote fields of its own which are not read, in words; empty if none is known.
+std::string unread_tiff_program(const TiffFile& file);
 
 }  // namespace ovoid::io

@@ -43,6 +43,7 @@ enum TiffTag : std::uint16_t {
   kExtraSamples = 338,
   kSampleFormat = 339,
   kJpegTables = 347,
+  kImageDepth = 32997,
 };
 
 // Bytes of a value, by its type; 0 for an unknown one.
@@ -323,6 +324,12 @@ TiffPage TiffFile::page_of(const Directory& directory, std::int64_t number_in_fi
   checked_num_bytes(fmt::format("{}: page {}", source_.name(), page.number),
                     std::array{page.width, page.height}, page.type, page.num_samples);
   set_compression(page, directory);
+  if (const std::uint64_t depth = value(kImageDepth, 1); depth > 1) {
+    refuse(page.number,
+           fmt::format("holds {} slices in one page (ImageDepth), which is not read: expected a "
+                       "page for each slice",
+                       depth));
+  }
   if (value(kFillOrder, 1) != 1 && page.bits < 8)
     refuse(page.number, "has its bits in the other order (FillOrder 2)");
   page.is_planar = value(kPlanar, 1) == 2 && page.num_samples > 1;
@@ -331,12 +338,29 @@ TiffPage TiffFile::page_of(const Directory& directory, std::int64_t number_in_fi
   return page;
 }
 
+std::string TiffFile::text(const TiffField& field) const {
+  check_inside(field.at, field.count, "description");
+  std::string result = source_.text(field.at, static_cast<std::int64_t>(field.count));
+  while (result.ends_with('\0')) result.pop_back();
+  return result;
+}
+
+std::vector<std::string> TiffFile::descriptions(const TiffPage& page) const {
+  std::vector<std::string> result;
+  for (const TiffField& field : directory_at(page.directory).fields)
+    if (field.tag == kDescription) result.push_back(text(field));
+  return result;
+}
+
+std::uint64_t TiffFile::num_values(std::uint16_t tag) const noexcept {
+  const auto found = std::find_if(first_fields_.begin(), first_fields_.end(),
+                                  [&](const TiffField& field) { return field.tag == tag; });
+  return found == first_fields_.end() ? 0 : found->count;
+}
+
 void TiffFile::describe(const Directory& directory) {
-  if (const TiffField* const text = directory.find(kDescription); text != nullptr) {
-    check_inside(text->at, text->count, "description");
-    description_ = source_.text(text->at, static_cast<std::int64_t>(text->count));
-    while (description_.ends_with('\0')) description_.pop_back();
-  }
+  first_fields_ = directory.fields;
+  if (const TiffField* const field = directory.find(kDescription)) description_ = text(*field);
   const TiffField* const x = directory.find(kXResolution);
   const TiffField* const y = directory.find(kYResolution);
   if (x == nullptr || y == nullptr) return;

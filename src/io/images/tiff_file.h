@@ -78,6 +78,11 @@ class TiffFile {
 
   // Of the first page; empty if it has none.
   const std::string& description() const noexcept { return description_; }
+  // All that a page has: some writers put a second one behind the user's.
+  std::vector<std::string> descriptions(const TiffPage& page) const;
+  // How many values the first page's field of this tag has; 0 if there is none.
+  bool has_field(std::uint16_t tag) const noexcept { return num_values(tag) > 0; }
+  std::uint64_t num_values(std::uint16_t tag) const noexcept;
   // Pixels per unit along x and y, where both are there and greater than 0; the unit as TIFF
   // numbers it: 1 none, 2 inch, 3 centimetre.
   struct Resolution {
@@ -110,6 +115,7 @@ class TiffFile {
   void set_type(TiffPage& page, const Directory& directory) const;
   void set_colours(TiffPage& page, const Directory& directory) const;
   void set_blocks(TiffPage& page, const Directory& directory) const;
+  std::string text(const TiffField& field) const;
   void describe(const Directory& directory);
   Blocks blocks_of(const TiffPage& page) const;
   void read_block(const TiffPage& page, const BlockPlace& at, Blocks& blocks) const;
@@ -125,6 +131,7 @@ class TiffFile {
   std::vector<TiffPage> pages_;
   std::int64_t num_left_out_ = 0;
   std::string description_;
+  std::vector<TiffField> first_fields_;  // of the first page
   std::optional<Resolution> resolution_;
 };
 

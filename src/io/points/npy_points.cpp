@@ -18,6 +18,7 @@
 #include "io/core/zip_file.h"
 #include "io/images/npy.h"
 #include "io/images/npy_header.h"
+#include "io/images/npz_volume.h"
 #include "io/points/point_columns.h"
 #include "ovoid/error.h"
 
@@ -54,52 +55,49 @@ std::optional<std::pair<std::int64_t, std::int64_t>> rows_of(const NpyHeader& he
   return std::pair(shape[0], components);
 }
 
-std::string_view array_name(std::string_view entry) {
-  if (entry.ends_with(".npy")) entry.remove_suffix(4);
-  return entry;
-}
-
-const ZipEntry& positions_entry(const ByteSource& source, const std::vector<ZipEntry>& entries) {
+// The entry of the positions; none if the archive has none. A volume may be called like positions.
+const ZipEntry* positions_entry(const ByteSource& source, const std::vector<ZipEntry>& entries) {
   const ZipEntry* found = nullptr;
-  std::vector<std::string> names;
   for (const ZipEntry& entry : entries) {
-    const std::string_view name = array_name(entry.name);
-    if (name == "positions") return entry;
-    names.emplace_back(name);
-    if (!is_position_name(name)) continue;
+    const std::string_view name = npz_array_name(entry.name);
+    if (name != "positions" && !is_position_name(name)) continue;
+    const auto header = npz_header(source, entry);
+    if (header && header->shape.size() > 2) continue;
+    if (name == "positions") return &entry;
     if (found != nullptr) {
       throw Error(ErrorCode::kFileFormat,
                   fmt::format("{}: {} and {} may both be the positions: call one 'positions'",
-                              source.name(), data::name_text(array_name(found->name)),
+                              source.name(), data::name_text(npz_array_name(found->name)),
                               data::name_text(name)));
     }
     found = &entry;
   }
-  if (found == nullptr) {
-    throw Error(ErrorCode::kFileFormat,
-                fmt::format("{}: has no array 'positions' of shape (N, 3); it has {}",
-                            source.name(), data::names_text(names)));
-  }
-  return *found;
+  return found;
+}
+
+[[noreturn]] void refuse_spacing(const ByteSource& source) {
+  throw Error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{}: holds points: a spacing can be given for volumes only", source.name()));
 }
 
 void add_npz_array(const ByteSource& source, const ZipEntry& entry, std::int64_t num_rows,
                    const ReadOptions& options, Dataset& dataset) {
-  const std::string_view name = array_name(entry.name);
+  const std::string_view name = npz_array_name(entry.name);
   const auto leave_out = [&](const std::string& why) {
     dataset.notes.push_back(
         fmt::format("{}: {} is left out: {}", source.name(), data::name_text(name), why));
   };
-  const ZipMember member = open_zip_entry(source, entry);
-  if (!looks_like_npy(member.source->text(0, 16))) return leave_out("it is no array");
-  const auto rows = rows_of(read_npy_header(*member.source));
-  if (!rows || rows->first != num_rows) {
-    return leave_out(fmt::format("its shape is ({}): expected {} rows",
-                                 fmt::join(read_npy_header(*member.source).shape, ", "), num_rows));
-  }
   DataArray array;
   try {
-    array = npy_rows(*member.source, options);
+    const auto header = npz_header(source, entry);
+    if (!header) return leave_out("it is no array");
+    const auto rows = rows_of(*header);
+    if (!rows || rows->first != num_rows) {
+      return leave_out(fmt::format("its shape is ({}): expected {} rows",
+                                   fmt::join(header->shape, ", "), num_rows));
+    }
+    array = npy_rows(*open_zip_entry(source, entry).source, options);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kUnsupported) throw;
     return leave_out("its type is no number type that is read");
@@ -115,11 +113,7 @@ bool is_npy_of_points(std::span<const std::int64_t> shape) noexcept {
 }
 
 Dataset read_npy_points(const ByteSource& source, const ReadOptions& options) {
-  if (options.raw.spacing) {
-    throw Error(
-        ErrorCode::kInvalidArgument,
-        fmt::format("{}: holds points: a spacing can be given for volumes only", source.name()));
-  }
+  if (options.raw.spacing) refuse_spacing(source);
   DataArray rows = npy_rows(source, options);
   Dataset dataset;
   dataset.source = source.name();
@@ -143,7 +137,12 @@ Dataset read_npy_points(const ByteSource& source, const ReadOptions& options) {
 
 Dataset read_npz(const ByteSource& source, const ReadOptions& options) {
   const std::vector<ZipEntry> entries = read_zip_entries(source);
-  const ZipEntry& positions = positions_entry(source, entries);
+  refuse_other_zip(source, entries);
+  const ZipEntry* const found =
+      options.raw.axis_order.empty() ? positions_entry(source, entries) : nullptr;
+  if (found == nullptr) return read_npz_volume(source, entries, options);
+  if (options.raw.spacing) refuse_spacing(source);
+  const ZipEntry& positions = *found;
   Dataset dataset;
   dataset.source = source.name();
   dataset.format = "NPZ";

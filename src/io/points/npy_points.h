@@ -23,9 +23,11 @@ bool is_npy_of_points(std::span<const std::int64_t> shape) noexcept;
 // Throws Error.
 Dataset read_npy_points(const ByteSource& source, const ReadOptions& options);
 
-// The arrays of an NPZ: `positions`, (N, 3), or the only one called like positions; the others of
-// N rows are arrays, what does not fit is left out with a note. Peak memory is that of the arrays,
-// or options.share of them, and, while it is unpacked, all of one more. Throws Error.
+// The arrays of an NPZ. Without positions they are volumes (io/images/npz_volume.h), as they are
+// with options.raw.axis_order. Points: `positions`, (N, 3), or the only one called like positions;
+// the others of N rows are arrays, what does not fit is left out with a note. Peak memory is that
+// of the arrays, or options.share of them, and, while it is unpacked, all of one more. Throws
+// Error.
 Dataset read_npz(const ByteSource& source, const ReadOptions& options);
 
 // Writes positions and arrays under their names, stored. Throws Error(kFileWrite, kUnsupported).

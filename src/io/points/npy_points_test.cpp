@@ -91,7 +91,8 @@ TEST(Npz, StoredAndDeflated) {
 TEST(Npz, ErrorsSayWhatIsWrong) {
   const std::string good = fuzz::zip_file(two_arrays(), true);
   EXPECT_EQ(npz_error(fuzz::zip_file({{"v.npy", npy_of(ScalarType::kUInt8, {1}, "a")}}, false)),
-            "file-format: a.npz: has no array 'positions' of shape (N, 3); it has 'v'");
+            "file-format: a.npz: has neither an array 'positions' of shape (N, 3) nor a volume of "
+            "three axes; it has 'v'");
   EXPECT_EQ(
       npz_error(fuzz::zip_file({{"pos.npy", npy_of(ScalarType::kUInt8, {2, 2}, "abcd")}}, false)),
       "file-format: a.npz: pos.npy: shape (2, 2): expected (N, 3)");
@@ -111,6 +112,97 @@ TEST(Npz, ErrorsSayWhatIsWrong) {
   method[entry + 10] = 12;
   EXPECT_EQ(npz_error(method),
             "unsupported: a.npz: zip: 'radii.npy': compression 12: expected stored or deflated");
+}
+
+std::string volume_of(char first, const std::vector<std::int64_t>& shape) {
+  std::int64_t count = 1;
+  for (const std::int64_t size : shape) count *= size;
+  std::string samples;
+  for (std::int64_t i = 0; i < count; ++i) samples += static_cast<char>(first + i);
+  return npy_of(ScalarType::kUInt8, shape, samples);
+}
+
+TEST(Npz, ArraysOfOneSizeAreALattice) {
+  const std::vector<std::int64_t> shape{3, 2, 4};
+  for (const bool is_deflated : {false, true}) {
+    const std::string one = fuzz::zip_file({{"arr_0.npy", volume_of('a', shape)}}, is_deflated);
+    const Dataset dataset = read_named("a.npz", one);
+    EXPECT_EQ(dataset.kind, DatasetKind::kLattice);
+    EXPECT_EQ(dataset.lattice.dims, (Index3{4, 2, 3}));
+    EXPECT_EQ(dataset.array().name, "arr_0");
+    EXPECT_EQ(values_of<char>(dataset.array())[23], 'a' + 23);
+    EXPECT_TRUE(dataset.notes.empty());
+    const std::string several = fuzz::zip_file({{"small.npy", volume_of('z', {2, 2, 2})},
+                                                {"label.npy", npy_of(ScalarType::kUInt8, {1}, "a")},
+                                                {"vol.npy", volume_of('a', shape)},
+                                                {"seg.npy", volume_of('A', {1, 3, 2, 4})}},
+                                               is_deflated);
+    const Dataset both = read_named("a.npz", several);
+    ASSERT_EQ(both.arrays.size(), 2U);
+    EXPECT_EQ(both.arrays[0].name, "vol");
+    EXPECT_EQ(values_of<char>(both.array("seg"))[5], 'F');
+    EXPECT_EQ(both.notes[0],
+              "a.npz: volumes of another size are left out: 'small'; choose with --array");
+    EXPECT_EQ(both.notes[1], "a.npz: what is no volume is left out: 'label'");
+    ReadOptions options;
+    options.array = "small";
+    EXPECT_EQ(read_named("a.npz", several, options).lattice.dims, (Index3{2, 2, 2}));
+    options.array = "nothing";
+    EXPECT_EQ(error_of([&] { read_named("a.npz", several, options); }).find("expected one of") !=
+                  std::string::npos,
+              true);
+  }
+  const std::string moving = fuzz::zip_file({{"v.npy", volume_of('a', {2, 3, 2, 5})}}, true);
+  ReadOptions options;
+  options.step = 1;
+  EXPECT_EQ(values_of<char>(read_named("a.npz", moving, options).array())[0], 'a' + 30);
+  options = {};
+  options.raw.axis_order = "czyx";
+  EXPECT_EQ(read_named("a.npz", moving, options).arrays[1].name, "v channel 2");
+}
+
+// Fails if places are taken along the wrong axes: those of a matrix are the array's, the others x,
+// y and z.
+TEST(Npz, SmallArraysPlaceTheSamples) {
+  const std::string volume = volume_of('a', {3, 2, 4});
+  const auto numbers = [](const std::vector<std::int64_t>& shape, const std::vector<double>& all) {
+    return npy_of(ScalarType::kFloat64, shape, bytes_of(all));
+  };
+  const Dataset along = read_named(
+      "a.npz", fuzz::zip_file({{"v.npy", volume},
+                               {"spacing.npy", numbers({3}, {2, 3, 4})},
+                               {"origin.npy", numbers({3}, {10, 20, 30})},
+                               {"direction.npy", numbers({3, 3}, {0, 1, 0, -1, 0, 0, 0, 0, 1})}},
+                              true));
+  EXPECT_EQ(along.lattice.world_from_index * Vec3(1, 1, 1), Vec3(13, 18, 34));
+  EXPECT_EQ(along.notes.size(), 1U);
+  const std::string affine = fuzz::zip_file(
+      {{"v.npy", volume},
+       {"affine.npy", numbers({4, 4}, {4, 0, 0, 10, 0, 3, 0, 20, 0, 0, 2, 30, 0, 0, 0, 1})}},
+      true);
+  EXPECT_EQ(read_named("a.npz", affine).lattice.world_from_index * Vec3(1, 0, 2), Vec3(18, 20, 32));
+  ReadOptions options;
+  options.raw.spacing = Vec3(1, 2, 3);
+  EXPECT_EQ(read_named("a.npz", affine, options).lattice.spacing(), Vec3(1, 2, 3));
+  const Dataset flat = read_named(
+      "a.npz", fuzz::zip_file({{"v.npy", volume}, {"spacing.npy", numbers({3}, {2, 0, 4})}}, true));
+  EXPECT_EQ(flat.lattice.spacing(), Vec3(1, 1, 1));
+  EXPECT_EQ(flat.notes.size(), 1U);
+}
+
+TEST(Npz, WhatIsNoArrayIsNamed) {
+  const std::string object = "\x93NUMPY\x01" + std::string("\0\x40\0", 3) +
+                             "{'descr': '|O', 'fortran_order': False, 'shape': (1, 1, 1), }   \n";
+  EXPECT_EQ(npz_error(fuzz::zip_file({{"a.npy", object}}, false)),
+            "unsupported: a.npz: 'a' is left out: descr: '|O' (Python objects, which are pickled): "
+            "expected booleans, integers of 1 to 8 bytes, or floats of 4 or 8");
+  EXPECT_EQ(
+      npz_error(fuzz::zip_file({{"m/data.pkl", "."}, {"m/data/0", "1234"}}, false)),
+      "unsupported: a.npz: is a file of PyTorch's (.pt), which is not read: expected an array, "
+      "by numpy.save('a.npy', torch.load('a.pt').numpy())");
+  EXPECT_EQ(npz_error(fuzz::zip_file({{"readme.txt", "hello"}}, false)),
+            "unsupported: a.npz: is a zip file without arrays of NumPy's (.npy); it has "
+            "'readme.txt'");
 }
 
 TEST(Npz, RoundTrip) {

@@ -10,6 +10,7 @@
 #include "io/dicom/dicom.h"
 #include "io/foreign/file_checks.h"
 #include "io/foreign/gdcm_codec.h"
+#include "io/foreign/hdf5_cf.h"
 #include "io/foreign/hdf5_grid.h"
 #include "io/foreign/hdf5_lattice.h"
 #include "io/foreign/hdf5_points.h"
@@ -39,7 +40,13 @@ void check_exodus_or_hdf5(const ByteSource& source) {
 Dataset read_hdf5(const ByteSource& source, const ReadOptions& options) {
   if (is_hdf5_lattice(source)) return read_hdf5_lattice(source, options);
   const bool is_of_points = !options.hdf5.positions.empty() || !options.hdf5.values.empty();
-  if (!is_of_points && (!options.array.empty() || !has_hdf5_positions(source)))
+  if (is_of_points) return read_hdf5_points(source, options);
+  const bool may_be_grid = !options.array.empty() || !has_hdf5_positions(source);
+  // Axes x, y and z that are as long as each other are called as positions are.
+  if (auto grid =
+          read_hdf5_cf(source, options, may_be_grid ? Hdf5Axes::kScalesOrNames : Hdf5Axes::kScales))
+    return std::move(*grid);
+  if (may_be_grid)
     if (auto grid = read_hdf5_grid(source, options)) return std::move(*grid);
   return read_hdf5_points(source, options);
 }

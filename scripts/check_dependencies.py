@@ -54,7 +54,7 @@ OUTSIDE = [
     ("VTK", re.compile(r"^vtk\w*\.h"), ("src/io/foreign/", "bindings/", "bench/")),
     ("GDCM", re.compile(r"^gdcm\w*\.h"), ("src/io/foreign/", "src/io/dicom/test_dicom")),
     ("Linux's sandboxes", re.compile(r"^(linux/landlock|seccomp)\.h"), ("apps/reader/",)),
-    ("HDF5", re.compile(r"^hdf5\.h"), ("src/io/", "tests/cli/lattice_test.cpp")),
+    ("HDF5", re.compile(r"^hdf5(_hl)?\.h"), ("src/io/", "tests/cli/lattice_test.cpp")),
     ("OpenVDB", re.compile(r"^(openvdb|tbb)/"), ("src/io/foreign/", "tests/vdb/")),
     ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "src/simd/", "src/labels/", "src/model/nearest_squares.cpp", "bench/")),
     ("Vulkan", re.compile(r"^(volk\.h|vulkan/)"), ("src/render/vulkan/",)),

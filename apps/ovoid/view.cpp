@@ -14,8 +14,9 @@ void run_view(const Words& words) {
   const auto [viewer, is_there] = program_beside("ovoid-viewer");
   if (!is_there) {
     throw Error(ErrorCode::kUnsupported,
-                fmt::format("view: the viewer is not part of this installation, there is no {}; to "
-                            "draw to a file: ovoid render INPUT... -o OUT.png",
+                fmt::format("view: the viewer is not part of this installation, there is no {}: in "
+                            "the source folder, make build makes it; to draw to a file: ovoid "
+                            "render INPUT... -o OUT.png",
                             viewer));
   }
   become(viewer, words, "view");

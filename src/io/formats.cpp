@@ -62,6 +62,9 @@ constexpr const char* kText = "CSV and other text";
 // axes, too (foreign/hdf5_grid.cpp).
 constexpr std::string_view kHdf5Grid = "HDF5 grid";
 
+// Classic files, and in HDF5 those with dimension scales (foreign/hdf5_cf.cpp).
+constexpr const char* kNetcdf = "netCDF";
+
 using ArrayWriter = void (*)(const Dataset&, const DataArray&, const std::string&,
                              const std::stop_token&);
 
@@ -187,9 +190,9 @@ std::vector<Format> images() {
            .read = read_zarr,
            .says_spacing = false,
            .says_axes = false,
-           .kinds = {kLattice}},
-          {.name = "netCDF",
-           .endings = {".nc", ".cdf"},
+           .kinds = {kLattice, kMesh}},
+          {.name = kNetcdf,
+           .endings = {".nc", ".nc4", ".cdf"},
            .is_file = is_netcdf_grid,
            .read = read_one<read_netcdf_grid>,
            .says_spacing = false,
@@ -496,6 +499,7 @@ Dataset read_as(const Format& format, const ByteSource& source, const ReadOption
   if (format.sorts_inputs && are_sorted_by_reader(steps)) paths = steps;
   if (format.shares_lattice) paths.insert(paths.end(), steps.begin(), steps.end());
   Dataset dataset = read_foreign(format.name, source.name(), paths, options);
+  if (dataset.format == kNetcdf) return dataset;  // whose reader has looked at both
   if (!options.raw.axis_order.empty() && dataset.format != kHdf5Grid)
     refuse_axis_order(source.name(), format.name);
   if (options.raw.spacing) {

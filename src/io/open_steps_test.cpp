@@ -173,10 +173,7 @@ TEST(OpenSteps, OneStepOfManyInAFile) {
   EXPECT_EQ(steps->times(), (std::vector<double>{0.5, 0.75, 1}));
   EXPECT_EQ(first_value(steps->read(1)), 'b');
   const std::string falling = with(header, "1 1 1 0.25", "1 1 1 -0.25");
-  EXPECT_NE(error_of([&] {
-              open_steps({folder.write("b.nrrd", falling + "aabbcc")});
-            }).find("b.nrrd: step 1: time 0.25 is not after 0.5, the time of step 0"),
-            std::string::npos);
+  EXPECT_FALSE(open_steps({folder.write("b.nrrd", falling + "aabbcc")})->has_times());
 }
 
 TEST(OpenSteps, FramesOfADumpNameTheirTimes) {

@@ -57,7 +57,9 @@ TEST(View, WithoutAViewerOneLineSaysSo) {
   const std::string said =
       "ovoid: error: view: the viewer is not part of this installation, there "
       "is no " +
-      (folder / "ovoid-viewer") + "; to draw to a file: ovoid render INPUT... -o OUT.png\n";
+      (folder / "ovoid-viewer") +
+      ": in the source folder, make build makes it; to draw to a file: ovoid render INPUT... -o "
+      "OUT.png\n";
   for (const Words& words : {Words{"view", ball}, Words{ball}, Words{"view"}}) {
     const Outcome result = run(words, program);
     EXPECT_EQ(result.exit_code, 1);

@@ -55,6 +55,7 @@ constinit const TypeLayout OVOID_LAYOUTS[] = {
     OVOID_TYPE(Hdf5Options),
     OVOID_TYPE(RowShare),
     OVOID_TYPE(ReadOptions),
+    OVOID_TYPE(FilesTogether),
     OVOID_TYPE(WriteOptions),
     OVOID_TYPE(PicturePart),
     OVOID_TYPE(KernelAttribute),

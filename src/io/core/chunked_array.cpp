@@ -221,6 +221,47 @@ bool may_stay_stored(const std::vector<ChosenChannels>& chosen, const ReadOption
          });
 }
 
+// Where a step lies, if it lies by itself, x fastest.
+std::shared_ptr<const StoredSamples> place_of_step(const ChunkedArray& array, std::int64_t step) {
+  std::string order;
+  for (std::size_t a = 0; a < array.axes.size(); ++a)
+    if (array.shape[a] > 1) order += array.axes[a];
+  const bool is_in_time = array.size_of_axis('t') > 1;
+  if (is_in_time && array.axes[0] != 't') return nullptr;
+  if (is_in_time) order.erase(0, 1);
+  constexpr std::string_view kOrder = "zyx";
+  std::size_t last = 0;
+  for (const char letter : order) {
+    const std::size_t place = kOrder.find(letter);
+    if (place == std::string_view::npos || place < last) return nullptr;
+    last = place;
+  }
+  return is_in_time ? array.stored_rows(step, 1) : array.stored_rows(0, array.shape[0]);
+}
+
+// The chosen arrays of one step, which stay in their file; false if one cannot.
+bool keep_stored(const std::vector<ChosenChannels>& chosen, const ReadOptions& options,
+                 Dataset& dataset) {
+  std::int64_t num_arrays = 0;
+  for (const ChosenChannels& one : chosen)
+    num_arrays += static_cast<std::int64_t>(one.channels.size());
+  for (const ChosenChannels& one : chosen) {
+    for (const std::int64_t channel : one.channels) {
+      DataArray array = empty_array(*one.array, channel);
+      array.stored = one.array->stored_rows ? place_of_step(*one.array, dataset.step)
+                                            : stored_chunks(*one.array, dataset.step, channel,
+                                                            memory_for_pages(options) / num_arrays);
+      if (array.stored == nullptr) {
+        dataset.arrays.clear();
+        return false;
+      }
+      widen_short_floats(one.array->short_float, array);
+      dataset.arrays.push_back(std::move(array));
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 std::int64_t ChunkedArray::size_of_axis(char letter) const {
@@ -275,20 +316,9 @@ void read_chunked(const std::vector<ChunkedArray>& arrays, const ReadOptions& op
   dataset.num_steps = first.size_of_axis('t');
   if (options.step) check_step(first.where, *options.step, dataset.num_steps);
   dataset.step = options.step.value_or(0);
-  if ((options.step || dataset.num_steps == 1) && may_stay_stored(chosen, options)) {
-    std::int64_t num_arrays = 0;
-    for (const ChosenChannels& one : chosen)
-      num_arrays += static_cast<std::int64_t>(one.channels.size());
-    for (const ChosenChannels& one : chosen) {
-      for (const std::int64_t channel : one.channels) {
-        dataset.arrays.push_back(empty_array(*one.array, channel));
-        dataset.arrays.back().stored = stored_chunks(*one.array, dataset.step, channel,
-                                                     memory_for_pages(options) / num_arrays);
-        widen_short_floats(one.array->short_float, dataset.arrays.back());
-      }
-    }
+  if ((options.step || dataset.num_steps == 1) && may_stay_stored(chosen, options) &&
+      keep_stored(chosen, options, dataset))
     return;
-  }
   for (std::int64_t step = dataset.step; step < dataset.num_steps; ++step) {
     dataset.arrays.clear();
     dataset.step = step;

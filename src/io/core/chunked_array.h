@@ -36,6 +36,11 @@ struct ChunkedArray {
   // Fills `out`, a chunk's bytes, with the samples of the chunk that has this number along each
   // axis; false, and nothing done, if it is not there. Called from many threads. Throws Error.
   std::function<bool(std::span<const std::int64_t> number, std::span<std::byte> out)> read{};
+  // Of a reader's process, whose chunks nobody else can read: the place in the file (samples_told)
+  // of `count` of the samples along the slowest axis, from `first` on, the last axis fastest; null
+  // if they lie otherwise. Empty: chunks are read where they are asked for.
+  std::function<std::shared_ptr<const StoredSamples>(std::int64_t first, std::int64_t count)>
+      stored_rows{};
 
   std::int64_t size_of_axis(char letter) const;  // 1 if there is none
   Index3 dims() const { return {size_of_axis('x'), size_of_axis('y'), size_of_axis('z')}; }

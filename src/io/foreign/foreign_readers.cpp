@@ -21,6 +21,7 @@
 #include "io/step_files.h"
 #include "ovoid/error.h"
 #ifdef OVOID_IO_HDF5
+#include "io/foreign/hdf5_cf.h"
 #include "io/foreign/hdf5_dialects.h"
 #include "io/foreign/hdf5_filters.h"
 #include "io/foreign/hdf5_grid.h"
@@ -54,7 +55,12 @@ Dataset read_hdf5(const ByteSource& source, const ReadOptions& options) {
     if (auto dataset = read_dialect(file, options)) return std::move(*dataset);
   }
   const bool has_points = has_hdf5_positions(source);
-  if (!options.array.empty() || !has_points)
+  const bool may_be_grid = !options.array.empty() || !has_points;
+  // Axes x, y and z that are as long as each other are called as positions are.
+  if (auto grid =
+          read_hdf5_cf(file, options, may_be_grid ? Hdf5Axes::kScalesOrNames : Hdf5Axes::kScales))
+    return std::move(*grid);
+  if (may_be_grid)
     if (auto grid = read_hdf5_grid(file, options)) return std::move(*grid);
   if (has_points) return read_hdf5_points(source, options);
   refuse_hdf5(file, options);

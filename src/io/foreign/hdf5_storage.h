@@ -23,7 +23,7 @@ namespace ovoid::io {
 // What is to be read. The caller has checked that the sizes are at least 1 and that num_bytes() is
 // at most kMaxNumBytes.
 struct Hdf5Extent {
-  static constexpr std::size_t kMaxRank = 5;
+  static constexpr std::size_t kMaxRank = 8;
 
   std::string where;  // file and dataset, for messages
   Hdf5Type type;

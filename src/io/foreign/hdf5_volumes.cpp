@@ -6,11 +6,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <bit>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <span>
 #include <utility>
 
 #include "io/core/axis_order.h"
@@ -20,6 +17,7 @@
 #include "io/core/samples.h"
 #include "io/core/samples_in_file.h"
 #include "io/foreign/hdf5_attributes.h"
+#include "io/foreign/hdf5_chunks.h"
 #include "io/foreign/hdf5_storage.h"
 #include "ovoid/error.h"
 
@@ -144,61 +142,27 @@ std::vector<std::int64_t> boxes_of(const OpenVolume& open) {
   return box;
 }
 
-// `mutex` and `progress` outlive it.
-ChunkedArray chunked(const OpenVolume& open, std::mutex& mutex, ReadProgress& progress) {
+// `reading` outlives it.
+ChunkedArray chunked(const OpenVolume& open, Hdf5Reading& reading) {
   ChunkedArray array;
   array.where = open.extent.where;
   array.name = open.volume->name;
   array.axes = open.volume->axes;
   array.shape = open.sizes;
   array.chunk = boxes_of(open);
-  array.type = open.extent.type.type;
-  array.is_big_endian = std::endian::native == std::endian::big;  // as boxes are read
+  read_chunks_of_hdf5(open.stored, open.extent, reading, array);
   check_chunked(array);
-  array.read = [&mutex, &progress, stored = open.stored, extent = open.extent, shape = array.shape,
-                chunk = array.chunk](std::span<const std::int64_t> number,
-                                     std::span<std::byte> out) {
-    std::vector<std::int64_t> first, count;
-    std::int64_t num_read = 1;
-    for (std::size_t axis = 0; axis < shape.size(); ++axis) {
-      first.push_back(number[axis] * chunk[axis]);
-      count.push_back(std::min(chunk[axis], shape[axis] - first.back()));
-      num_read *= count.back();
-    }
-    const auto item = static_cast<std::size_t>(extent.item_size());
-    const std::scoped_lock lock(mutex);  // the library's build for one thread
-    if (count == chunk) {
-      read_hdf5_box(stored->get(), extent, first, count, out, progress);
-      return true;
-    }
-    // A box at an end has room for whole ones.
-    std::vector<std::byte> box(static_cast<std::size_t>(num_read) * item);
-    read_hdf5_box(stored->get(), extent, first, count, box, progress);
-    const std::size_t run = static_cast<std::size_t>(count.back()) * item;
-    for (std::size_t at = 0, row = 0; at < box.size(); at += run, ++row) {
-      std::size_t rest = row, to = 0, stride = static_cast<std::size_t>(chunk.back()) * item;
-      for (std::size_t axis = shape.size() - 1; axis-- > 0;) {
-        to += rest % static_cast<std::size_t>(count[axis]) * stride;
-        rest /= static_cast<std::size_t>(count[axis]);
-        stride *= static_cast<std::size_t>(chunk[axis]);
-      }
-      std::copy_n(box.begin() + static_cast<std::ptrdiff_t>(at), run,
-                  out.begin() + static_cast<std::ptrdiff_t>(to));
-    }
-    return true;
-  };
   return array;
 }
 
 void add_in_order(const std::vector<OpenVolume>& volumes, const ReadOptions& options,
                   Dataset& dataset) {
-  std::mutex mutex;
   ReadOptions quiet = options;
   quiet.progress = {};
-  ReadProgress progress(quiet, 0);
+  Hdf5Reading reading{{}, ReadProgress(quiet, 0)};
   std::vector<ChunkedArray> arrays;
   arrays.reserve(volumes.size());
-  for (const OpenVolume& open : volumes) arrays.push_back(chunked(open, mutex, progress));
+  for (const OpenVolume& open : volumes) arrays.push_back(chunked(open, reading));
   ReadOptions own = options;
   own.array.clear();
   own.may_stay_in_file = false;  // the library reads in its own process

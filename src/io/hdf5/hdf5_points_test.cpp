@@ -15,10 +15,12 @@
 #include <hdf5.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <random>
 #include <utility>
@@ -245,17 +247,18 @@ TEST_F(Hdf5Shares, GridIsReadWhole) {
   EXPECT_FALSE(grid.share.has_value());
 }
 
-// The most memory that this process's only child has held, in bytes.
-std::int64_t peak_of_child() {
+// The most memory that each child of this process has held, in bytes, by its number.
+std::map<int, std::int64_t> peaks_of_children() {
+  std::map<int, std::int64_t> peaks;
   const std::string parent = "\nPPid:\t" + std::to_string(::getpid()) + "\n";
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
     std::ifstream stream(entry.path() / "status");
     const std::string status{std::istreambuf_iterator<char>(stream), {}};
     const std::size_t at = status.find("\nVmHWM:");
     if (status.find(parent) != std::string::npos && at != std::string::npos)
-      return std::stoll(status.substr(at + 7)) * 1024;
+      peaks[std::stoi(entry.path().filename())] = std::stoll(status.substr(at + 7)) * 1024;
   }
-  return 0;
+  return peaks;
 }
 
 // Fails if the process that reads takes memory for other shares' rows, also where it looks at all
@@ -267,11 +270,15 @@ TEST_F(Hdf5Shares, OthersRowsTakeNoMemory) {
   constexpr hsize_t kMany = 2000000;
   constexpr std::int64_t kNumBytes = std::int64_t{kMany} * 4 * 4;
   const auto peak = [&](const ReadOptions& asked) {
+    const std::map<int, std::int64_t> others = peaks_of_children();  // that other tests left
     ReadOptions options = asked;
     options.session = std::make_shared<ReaderSession>(std::vector{path});
     const Dataset dataset = read_dataset({path}, options);
     EXPECT_TRUE(dataset.periodic_box.has_value());
-    return peak_of_child();
+    std::int64_t most = 0;
+    for (const auto& [number, peak] : peaks_of_children())
+      if (!others.contains(number)) most = std::max(most, peak);
+    return most;
   };
   for (const std::vector<hsize_t>& chunk : {std::vector<hsize_t>{}, {100000, 3}}) {
     Hdf5Maker(path)
@@ -401,10 +408,10 @@ TEST(Hdf5Grid, AnAxisOrderIsForGridsAlone) {
   Hdf5Maker(path).floats("/pos", {5, 3});
   ReadOptions options;
   options.raw.axis_order = "zyx";
-  EXPECT_EQ(
-      hdf5_error(path, options),
-      "invalid-argument: F: is HDF5: an axis order can be given for NPY, NPZ, TIFF, Zarr, netCDF and "
-      "grids in HDF5 only");
+  EXPECT_EQ(hdf5_error(path, options),
+            "invalid-argument: F: is HDF5: an axis order can be given for NPY, NPZ, TIFF, Zarr, "
+            "netCDF and "
+            "grids in HDF5 only");
 }
 
 TEST(Hdf5Grid, OneIsChosen) {

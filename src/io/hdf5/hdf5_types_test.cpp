@@ -153,12 +153,12 @@ TEST_F(Hdf5Types, WhatIsNotDrawnIsListedWithWhy) {
       .raw("/psi", kSizes, std::string(16 * 24, '\0'), complex_type().get())
       .floats("/table", {5, 2})
       .floats("/row", {1, 1, 7})
-      .floats("/six", {1, 1, 1, 2, 3, 2});
+      .floats("/nine", {1, 1, 1, 1, 1, 1, 2, 3, 2});
   const std::string message = hdf5_error_of(path);
   EXPECT_THAT(message,
               HasSubstr("file-format: F: nothing in it is drawn: '/psi' [2, 3, 4] holds "
-                        "compound (r, i): complex numbers, '/six' [1, 1, 1, 2, 3, 2] has 6 "
-                        "axes, '/table' [5, 2] has two axes, '/row' [1, 1, 7] is one row "
+                        "compound (r, i): complex numbers, '/nine' [1, 1, 1, 1, 1, 1, 2, 3, 2] "
+                        "has 9 axes, '/table' [5, 2] has two axes, '/row' [1, 1, 7] is one row "
                         "of samples: expected numbers with three axes (z, y, x)"));
   ReadOptions options;
   options.array = "rho";

@@ -262,11 +262,11 @@ TEST(Nifti, HeaderErrorsNameTheField) {
   auto analyze = nifti1({3, 4, 3, 2}, 4, 16);
   analyze.text(344, std::string(4, '\0'));
   EXPECT_EQ(nii_error(analyze.bytes()).substr(0, 52),
-            "unsupported: a.nii: is an ANALYZE 7.5 header, which ");
+            "unsupported: a.nii: is an ANALYZE 7.5 header without");
   EXPECT_EQ(error_of([&] {
               read_source(*open_memory("a.hdr", std::as_bytes(std::span(analyze.bytes()))), {});
             }).substr(0, 52),
-            "unsupported: a.hdr: is an ANALYZE 7.5 header, which ");
+            "unsupported: a.hdr: is an ANALYZE 7.5 header without");
   auto mangled = nifti2({3, 4, 3, 2}, 4, 16);
   mangled.text(8, "\n\n");
   EXPECT_EQ(nii_error(mangled.bytes()).substr(0, 44),

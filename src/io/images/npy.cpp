@@ -26,7 +26,7 @@ std::string shape_text(const NpyHeader& header) {
 }
 
 // Chunks are runs of samples as they lie in the file, of about so many bytes.
-constexpr std::int64_t kChunkBytes = std::int64_t{1} << 20;
+constexpr std::int64_t kNpyChunkBytes = std::int64_t{1} << 20;
 
 std::vector<std::int64_t> chunk_of(const NpyHeader& header, ScalarType type) {
   const std::size_t rank = header.shape.size();
@@ -34,7 +34,7 @@ std::vector<std::int64_t> chunk_of(const NpyHeader& header, ScalarType type) {
   auto num_bytes = static_cast<std::int64_t>(size_of(type));
   for (std::size_t i = 0; i < rank; ++i) {
     const std::size_t a = header.is_fortran_order ? i : rank - 1 - i;
-    chunk[a] = std::clamp<std::int64_t>(kChunkBytes / num_bytes, 1, header.shape[a]);
+    chunk[a] = std::clamp<std::int64_t>(kNpyChunkBytes / num_bytes, 1, header.shape[a]);
     num_bytes *= chunk[a];
     if (chunk[a] < header.shape[a]) break;
   }

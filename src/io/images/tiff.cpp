@@ -121,7 +121,14 @@ class TiffVolume {
   void take_run() {
     if (file_.pages().size() != 1 || stack_.num_planes() == 1) return;
     run_ = file_.run(stack_.num_planes());
-    if (run_ && run_->offset + 2 * file_.pages()[0].num_bytes() <= source_.size()) return;
+    const auto end_of = [&](std::int64_t num_planes) {
+      return run_->offset + num_planes * file_.pages()[0].num_bytes();
+    };
+    if (run_ && end_of(2) <= source_.size()) {
+      const std::int64_t end = end_of(stack_.num_planes());
+      // Of a file that is cut short the error tells how many planes there should be.
+      if (end > source_.size() || !file_.is_described_within(run_->offset, end)) return;
+    }
     run_.reset();
     stack_.notes.push_back(
         fmt::format("its description names {} slices, {} channels and {} time steps, and it has "

@@ -338,7 +338,8 @@ void order_imagej_pages(const TiffFile& file, ImageJValues& values, TiffStack& s
 void calibrate_imagej_values(const TiffFile& file, ImageJValues& values, TiffStack& stack) {
   const ScalarType type = file.pages()[0].type;
   const auto function = parse_field(values["cf"]);
-  if (!function || std::isnan(*function) || is_floating(type) || file.pages()[0].num_samples > 1) return;
+  if (!function || std::isnan(*function) || is_floating(type) || file.pages()[0].num_samples > 1)
+    return;
   const auto c0 = parse_field(values["c0"]), c1 = parse_field(values["c1"]);
   if (*function != 0 || !c0 || !c1 || !std::isfinite(*c0) || !std::isfinite(*c1) || *c1 == 0) {
     stack.notes.push_back(

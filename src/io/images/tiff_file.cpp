@@ -358,6 +358,13 @@ std::uint64_t TiffFile::num_values(std::uint16_t tag) const noexcept {
   return found == first_fields_.end() ? 0 : found->count;
 }
 
+bool TiffFile::is_described_within(std::int64_t begin, std::int64_t end) const noexcept {
+  const auto is_within = [&](std::int64_t at) { return at >= begin && at < end; };
+  return is_within(pages_[0].directory) ||
+         std::any_of(first_fields_.begin(), first_fields_.end(),
+                     [&](const TiffField& field) { return is_within(field.at); });
+}
+
 void TiffFile::describe(const Directory& directory) {
   first_fields_ = directory.fields;
   if (const TiffField* const field = directory.find(kDescription)) description_ = text(*field);

@@ -98,6 +98,9 @@ class TiffFile {
   // Where the samples of all pages lie in a row and uncompressed, as they are to be.
   // A file of ImageJ's with one directory may hold `num_pages` of them.
   std::optional<TiffRun> run(std::int64_t num_pages) const;
+  // Do these bytes hold the first page's directory, or begin a value of its fields? Then they are
+  // no samples.
+  bool is_described_within(std::int64_t begin, std::int64_t end) const noexcept;
 
  private:
   struct Directory;

@@ -23,7 +23,7 @@ namespace ovoid::io {
 namespace {
 
 // How far, in spacings, a sample may lie from where the lattice of another part has one.
-constexpr double kSamePlace = 1e-3;
+constexpr double kSameLatticePlace = 1e-3;
 
 Index3 num_cells_of(const Index3& dims) {
   Index3 cells = dims;
@@ -46,14 +46,14 @@ std::optional<Index3> place_in(const LatticeGeometry& whole, const LatticeGeomet
     const double length = axes.col(axis).norm();
     const auto last = static_cast<double>(part.dims[static_cast<std::size_t>(axis)] - 1);
     const Vec3 step = part.world_from_index.linear().col(axis) - axes.col(axis);
-    if (!(step.norm() * std::max(1.0, last) <= kSamePlace * length)) return std::nullopt;
+    if (!(step.norm() * std::max(1.0, last) <= kSameLatticePlace * length)) return std::nullopt;
   }
   const Vec3 index =
       axes.inverse() * (part.world_from_index.translation() - whole.world_from_index.translation());
   Index3 place{};
   for (int axis = 0; axis < 3; ++axis) {
     const double nearest = std::round(index[axis]);
-    if (!(std::abs(index[axis] - nearest) <= kSamePlace) ||
+    if (!(std::abs(index[axis] - nearest) <= kSameLatticePlace) ||
         std::abs(nearest) > static_cast<double>(kMaxAxisSize))
       return std::nullopt;
     place[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(nearest);
@@ -151,7 +151,7 @@ double cell_volume(const LatticePart& part) {
 
 bool have_one_size(const LatticePart& a, const LatticePart& b) {
   const double first = cell_volume(a), second = cell_volume(b);
-  return std::abs(first - second) <= kSamePlace * std::max(first, second);
+  return std::abs(first - second) <= kSameLatticePlace * std::max(first, second);
 }
 
 // Levels by the sizes of cells, of which the largest is 0.
@@ -181,7 +181,7 @@ bool do_levels_overlap(const std::vector<LatticePart>& parts) {
       const Vec3 b_end = b.index_position({b.dims[0] - 1, b.dims[1] - 1, b.dims[2] - 1});
       const Vec3 lo = (a.world_from_index.translation()).cwiseMax(b.world_from_index.translation());
       const Vec3 hi = (a.world_from_index * a_end).cwiseMin(b.world_from_index * b_end);
-      const Vec3 least = kSamePlace * a.world_from_index.linear().diagonal();
+      const Vec3 least = kSameLatticePlace * a.world_from_index.linear().diagonal();
       bool is_apart = false;
       for (int axis = 0; axis < 3; ++axis) {
         const bool is_flat = a.dims[static_cast<std::size_t>(axis)] == 1;

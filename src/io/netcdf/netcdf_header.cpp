@@ -58,12 +58,11 @@ class NetcdfHeaderReader {
       num_records_ = checked_count(num_records, what);
     read_dimensions();
     header_.attributes = attributes_of("the file");
-    for (std::int64_t left = begin_list(0x0b, "variables"); left > 0; --left)
-      header_.variables.push_back(read_variable());
+    for (std::int64_t left = begin_list(0x0b, "variables"); left > 0; --left) read_variable();
     place_records();
-    for (const NetcdfVariable& variable : header_.variables) check_place(variable);
-    for (NetcdfDimension& dimension : header_.dimensions)
-      if (dimension.is_of_records) dimension.size = *num_records_;
+    for (const CfVariable& variable : header_.variables) check_place(variable);
+    for (CfDimension& dimension : header_.dimensions)
+      if (dimension.is_unlimited) dimension.size = *num_records_;
     return std::move(header_);
   }
 
@@ -119,18 +118,18 @@ class NetcdfHeaderReader {
 
   void read_dimensions() {
     for (std::int64_t left = begin_list(0x0a, "dimensions"); left > 0; --left) {
-      NetcdfDimension dimension{name("a dimension"), count("a dimension")};
-      dimension.is_of_records = dimension.size == 0;
+      CfDimension dimension{name("a dimension"), count("a dimension")};
+      dimension.is_unlimited = dimension.size == 0;
       header_.dimensions.push_back(std::move(dimension));
     }
   }
 
-  std::vector<NetcdfAttribute> attributes_of(const std::string& owner) {
+  CfAttributes attributes_of(const std::string& owner) {
     const std::string what = "attributes of " + owner;
-    std::vector<NetcdfAttribute> attributes;
+    CfAttributes attributes;
     for (std::int64_t left = begin_list(0x0c, what); left > 0; --left) {
-      NetcdfAttribute attribute{name(what), {}, {}};
-      const std::optional<ScalarType> of = type(what);
+      CfAttribute attribute{.name = name(what)};
+      const std::optional<ScalarType> of = attribute.type = type(what);
       const std::int64_t size = netcdf_size_of(of), num_values = count(what);
       if (num_values > (source_.size() - position_) / size)
         fail(fmt::format("netCDF {}: {} values do not fit the file: is it truncated?", what,
@@ -146,8 +145,9 @@ class NetcdfHeaderReader {
     return attributes;
   }
 
-  NetcdfVariable read_variable() {
-    NetcdfVariable variable;
+  void read_variable() {
+    CfVariable variable;
+    NetcdfPlace place;
     variable.name = name("a variable");
     const std::string what = fmt::format("variable '{}'", variable.name.substr(0, 80));
     const std::int64_t num_dims = count(what);
@@ -158,57 +158,59 @@ class NetcdfHeaderReader {
       if (number >= static_cast<std::int64_t>(header_.dimensions.size()))
         fail(fmt::format("netCDF {}: dimension {} of {}", what, number, header_.dimensions.size()));
       variable.dims.push_back(static_cast<std::size_t>(number));
-      const NetcdfDimension& dimension = header_.dimensions[variable.dims.back()];
-      if (!dimension.is_of_records) {
+      const CfDimension& dimension = header_.dimensions[variable.dims.back()];
+      if (!dimension.is_unlimited) {
         sizes.push_back(dimension.size);
         continue;
       }
       if (i != 0) fail(fmt::format("netCDF {}: records along its dimension {}", what, i));
-      variable.has_records = true;
+      place.has_records = true;
     }
     variable.attributes = attributes_of(what);
     variable.type = type(what);
     sizes.push_back(netcdf_size_of(variable.type));
     count(what);  // its own idea of the size, which may be too small a number for it
-    variable.begin = static_cast<std::int64_t>(
+    place.begin = static_cast<std::int64_t>(
         std::min<std::uint64_t>(unsigned_number(version_ == 1 ? 4 : 8, what), kMaxNumBytes));
     const auto num_bytes = checked_product(sizes);
     if (!num_bytes || *num_bytes > kMaxNumBytes)
       fail(fmt::format("netCDF {}: {} are more than any file holds", what, dims_text(sizes)));
-    variable.num_bytes = *num_bytes;
-    return variable;
+    place.num_bytes = *num_bytes;
+    header_.variables.push_back(std::move(variable));
+    header_.places.push_back(place);
   }
 
   // Where records begin, and how many there are if the file leaves it open.
   void place_records() {
     std::int64_t num_variables = 0, stride = 0, first = source_.size();
-    for (const NetcdfVariable& variable : header_.variables) {
-      if (!variable.has_records) continue;
-      stride += std::min(padded(variable.num_bytes), kMaxNumBytes / kMostItems);
-      first = std::min(first, variable.begin);
+    for (const NetcdfPlace& place : header_.places) {
+      if (!place.has_records) continue;
+      stride += std::min(padded(place.num_bytes), kMaxNumBytes / kMostItems);
+      first = std::min(first, place.begin);
       // Those of a single variable are not padded.
-      if (++num_variables == 1) header_.record_stride = variable.num_bytes;
+      if (++num_variables == 1) header_.record_stride = place.num_bytes;
     }
     if (num_variables != 1) header_.record_stride = stride;
     if (num_records_) return;
     num_records_ = header_.record_stride > 0 ? (source_.size() - first) / header_.record_stride : 0;
   }
 
-  void check_place(const NetcdfVariable& variable) const {
-    std::int64_t num_needed = variable.num_bytes;
-    if (variable.has_records && *num_records_ > 0) {
+  void check_place(const CfVariable& variable) const {
+    const NetcdfPlace& place = header_.place_of(variable);
+    std::int64_t num_needed = place.num_bytes;
+    if (place.has_records && *num_records_ > 0) {
       const auto others = checked_product(std::array{*num_records_ - 1, header_.record_stride});
       if (!others || *others > kMaxNumBytes)
         fail(fmt::format("netCDF: {} records of {} bytes", *num_records_, header_.record_stride));
       num_needed += *others;
-    } else if (variable.has_records) {
+    } else if (place.has_records) {
       num_needed = 0;
     }
-    if (variable.begin + num_needed <= source_.size()) return;
+    if (place.begin + num_needed <= source_.size()) return;
     fail(
         fmt::format("netCDF variable '{}' needs {} bytes from {} on, the file has {}: is it "
                     "truncated?",
-                    variable.name.substr(0, 80), num_needed, variable.begin, source_.size()));
+                    variable.name.substr(0, 80), num_needed, place.begin, source_.size()));
   }
 
   const ByteSource& source_;
@@ -218,38 +220,7 @@ class NetcdfHeaderReader {
   NetcdfHeader header_;
 };
 
-const NetcdfAttribute* find_attribute(const std::vector<NetcdfAttribute>& attributes,
-                                      std::string_view wanted) {
-  const auto found =
-      std::find_if(attributes.begin(), attributes.end(),
-                   [&](const NetcdfAttribute& attribute) { return attribute.name == wanted; });
-  return found == attributes.end() ? nullptr : &*found;
-}
-
 }  // namespace
-
-const NetcdfAttribute* NetcdfVariable::attribute(std::string_view wanted) const {
-  return find_attribute(attributes, wanted);
-}
-
-std::string NetcdfVariable::text(std::string_view wanted) const {
-  const NetcdfAttribute* const found = attribute(wanted);
-  return found == nullptr ? std::string() : found->text;
-}
-
-std::vector<std::int64_t> NetcdfHeader::shape(const NetcdfVariable& variable) const {
-  std::vector<std::int64_t> sizes;
-  sizes.reserve(variable.dims.size());
-  for (const std::size_t number : variable.dims) sizes.push_back(dimensions[number].size);
-  return sizes;
-}
-
-const NetcdfVariable* NetcdfHeader::variable(std::string_view wanted) const {
-  const auto found =
-      std::find_if(variables.begin(), variables.end(),
-                   [&](const NetcdfVariable& variable) { return variable.name == wanted; });
-  return found == variables.end() ? nullptr : &*found;
-}
 
 bool begins_like_netcdf(std::string_view start) noexcept {
   return start.starts_with("CDF\x01") || start.starts_with("CDF\x02") ||
@@ -261,20 +232,21 @@ NetcdfHeader read_netcdf_header(const ByteSource& source) {
 }
 
 bool is_exodus_header(const NetcdfHeader& header) {
-  return find_attribute(header.attributes, "api_version") != nullptr;
+  return find_cf(header.attributes, "api_version") != nullptr;
 }
 
 std::vector<double> netcdf_numbers(const ByteSource& source, const NetcdfHeader& header,
-                                   const NetcdfVariable& variable, std::int64_t most) {
+                                   const CfVariable& variable, std::int64_t most) {
   const std::vector<std::int64_t> shape = header.shape(variable);
   const std::int64_t count = shape.empty() ? 1 : shape[0];
   if (!variable.type || shape.size() > 1 || count > most) return {};
   const std::int64_t size = netcdf_size_of(variable.type);
-  if (!variable.has_records)
-    return numbers_of_bytes(*variable.type, source.text(variable.begin, count * size));
+  const NetcdfPlace& place = header.place_of(variable);
+  if (!place.has_records)
+    return numbers_of_bytes(*variable.type, source.text(place.begin, count * size));
   std::vector<double> numbers;
   for (std::int64_t i = 0; i < count; ++i) {
-    const std::string bytes = source.text(variable.begin + i * header.record_stride, size);
+    const std::string bytes = source.text(place.begin + i * header.record_stride, size);
     const std::vector<double> one = numbers_of_bytes(*variable.type, bytes);
     numbers.insert(numbers.end(), one.begin(), one.end());
   }

@@ -3,51 +3,30 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 
 #include "io/core/byte_source.h"
-#include "ovoid/dataset.h"
+#include "io/core/cf_file.h"
 
 namespace ovoid::io {
 
-// Text, or the first numbers: what is longer than a header's reader needs is passed over.
-struct NetcdfAttribute {
-  std::string name;
-  std::string text;
-  std::vector<double> numbers;
-};
-
-struct NetcdfDimension {
-  std::string name;
-  std::int64_t size = 0;  // of that of the records: how many there are
-  bool is_of_records = false;
-};
-
-struct NetcdfVariable {
-  std::string name;
-  std::optional<ScalarType> type;  // none: text
-  std::vector<std::size_t> dims;   // numbers of dimensions, the slowest first
-  std::vector<NetcdfAttribute> attributes;
+// Where a variable's numbers lie.
+struct NetcdfPlace {
   bool has_records = false;    // along its first dimension
   std::int64_t begin = 0;      // in the file
   std::int64_t num_bytes = 0;  // of one record, or of all
-
-  const NetcdfAttribute* attribute(std::string_view wanted) const;  // null: not there
-  std::string text(std::string_view wanted) const;                  // empty: not there
 };
 
-struct NetcdfHeader {
-  std::vector<NetcdfDimension> dimensions;
-  std::vector<NetcdfAttribute> attributes;
-  std::vector<NetcdfVariable> variables;
-  std::int64_t record_stride = 0;  // bytes from a record to the next
+// Attributes hold text, or the first numbers: what is longer than a reader needs is passed over.
+// Unlimited is the dimension of the records, whose size is how many there are.
+struct NetcdfHeader : CfDescription {
+  std::vector<NetcdfPlace> places;  // of the variables
+  std::int64_t record_stride = 0;   // bytes from a record to the next
 
-  std::vector<std::int64_t> shape(const NetcdfVariable& variable) const;
-  // Of these names; null: not there.
-  const NetcdfVariable* variable(std::string_view wanted) const;
+  const NetcdfPlace& place_of(const CfVariable& variable) const {
+    return places[static_cast<std::size_t>(&variable - variables.data())];
+  }
 };
 
 bool begins_like_netcdf(std::string_view start) noexcept;
@@ -64,6 +43,6 @@ bool is_exodus_header(const NetcdfHeader& header);
 // The values of a variable of numbers and one dimension, or none, of at most `most`; empty for any
 // other.
 std::vector<double> netcdf_numbers(const ByteSource& source, const NetcdfHeader& header,
-                                   const NetcdfVariable& variable, std::int64_t most);
+                                   const CfVariable& variable, std::int64_t most);
 
 }  // namespace ovoid::io

@@ -106,8 +106,8 @@ TEST(Netcdf, LengthsArePlaces) {
   for (const std::vector<float>& none :
        {std::vector<float>{1, 3, 2}, {1, 2, std::numeric_limits<float>::quiet_NaN()}}) {
     const Dataset dataset = read_nc(test_simulation(none));
-    EXPECT_EQ(dataset.lattice.world_from_index * Vec3(1, 1, 1), Vec3(1, 1, 1));
-    EXPECT_TRUE(has_note(dataset, "no variables called like the axes"));
+    EXPECT_EQ(dataset.lattice.world_from_index * Vec3(1, 1, 1), Vec3(2, 3, -0.5));
+    EXPECT_TRUE(has_note(dataset, "nothing says where samples of 'rho' lie along x"));
   }
 }
 
@@ -176,6 +176,87 @@ TEST(Netcdf, UnwrittenFloatsAreMissing) {
   values[4] = 9.9692099683868690e+36F;
   variable_of(nc, "rho").bytes = big_endian(values);
   EXPECT_TRUE(std::isnan(values_of<float>(read_nc(nc).arrays[0])[4]));
+}
+
+// Fails if the library's own fill value is a sample, or a byte's is none.
+TEST(Netcdf, UnwrittenIntegersAreMissingButForBytes) {
+  TestNc nc = test_simulation({1, 2, 3});
+  std::vector<std::int16_t> shorts(12, 3);
+  shorts[4] = -32767;
+  variable_of(nc, "rho").type = kNcShort;
+  variable_of(nc, "rho").bytes = big_endian(shorts);
+  EXPECT_TRUE(std::isnan(values_of<float>(read_nc(nc).arrays[0])[4]));
+  variable_of(nc, "rho").attributes = {{"_FillValue", kNcShort, big_endian<std::int16_t>({9})}};
+  EXPECT_EQ(read_nc(nc).arrays[0].type, ScalarType::kInt16);
+  variable_of(nc, "rho").type = kNcByte;
+  variable_of(nc, "rho").attributes.clear();
+  variable_of(nc, "rho").bytes = big_endian(std::vector<std::int8_t>(12, -127));
+  EXPECT_EQ(read_nc(nc).arrays[0].type, ScalarType::kInt8);
+}
+
+// Fails if a valid range is passed over, or taken for one of unpacked values.
+TEST(Netcdf, SamplesOutsideOfTheValidRangeAreMissing) {
+  TestNc nc = test_climate();
+  variable_of(nc, "temp").attributes = {
+      {"valid_range", kNcShort, big_endian<std::int16_t>({2, 40})},
+      {"missing_value", kNcShort, big_endian<std::int16_t>({5, 7})}};
+  Dataset dataset = read_nc(nc);
+  auto values = values_of<float>(dataset.arrays[0]);
+  EXPECT_TRUE(std::isnan(values[1]) && std::isnan(values[5]) && std::isnan(values[7]));
+  EXPECT_EQ(values[2], 2);
+  EXPECT_TRUE(has_note(dataset, "2 samples are outside of the valid range, 2 to 40"));
+  variable_of(nc, "temp").attributes = {
+      {"scale_factor", kNcDouble, big_endian<double>({0.5})},
+      {"valid_max", kNcDouble, big_endian<double>({10})}};  // of 0.5 times the numbers
+  values = values_of<float>(read_nc(nc).arrays[0]);
+  EXPECT_EQ(values[20], 20);
+  EXPECT_TRUE(std::isnan(values[21]));
+  variable_of(nc, "temp").attributes = {{"valid_min", kNcShort, big_endian<std::int16_t>({99})}};
+  dataset = read_nc(nc);
+  EXPECT_EQ(dataset.arrays[0].type, ScalarType::kInt16);
+  EXPECT_TRUE(has_note(dataset, "no sample lies in the valid range"));
+}
+
+// Fails if one axis without places drops those of the other, or longitudes end at a meridian.
+TEST(Netcdf, PlacesOfOneAxisStay) {
+  TestNc nc = test_climate();
+  variable_of(nc, "rows").bytes = big_endian<float>({40, std::nanf("")});
+  Dataset dataset = read_nc(nc);
+  EXPECT_EQ(dataset.lattice.world_from_index * Vec3(1, 1, 0), Vec3(2.5, 2.5, 0));
+  EXPECT_TRUE(has_note(dataset, "nothing says where samples of 'temp' lie along y"));
+  nc = test_climate();
+  variable_of(nc, "cols").bytes = big_endian<double>({350, 357.5, 5, 12.5});
+  EXPECT_EQ(read_nc(nc).lattice.world_from_index * Vec3(3, 0, 0), Vec3(372.5, 45, 0));
+  variable_of(nc, "rows").type = kNcShort;
+  variable_of(nc, "rows").bytes = big_endian<std::int16_t>({450, 400});
+  variable_of(nc, "rows")
+      .attributes.push_back({"scale_factor", kNcDouble, big_endian<double>({0.1})});
+  EXPECT_NEAR((read_nc(nc).lattice.world_from_index * Vec3(0, 1, 0)).y(), 40, 1e-9);
+}
+
+// A variable along a dimension says where it lies if it is alone in saying which axis it is.
+TEST(Netcdf, CoordinatesAreToldByWhatTheySay) {
+  TestNc nc;
+  nc.dims = {{"i", 2}, {"j", 3}};
+  nc.variables = {
+      {"v",
+       {0, 1},
+       kNcFloat,
+       big_endian<float>({0, 1, 2, 3, 4, 5}),
+       {nc_text("coordinates", "b a")}},
+      {"a", {0}, kNcFloat, big_endian<float>({5, 7}), {nc_text("units", "degrees_east ")}},
+      {"b", {1}, kNcFloat, big_endian<float>({3, 4, 5}), {nc_text("standard_name", "latitude")}}};
+  Dataset dataset = read_nc(nc);
+  EXPECT_EQ(dataset.lattice.dims, (Index3{2, 3, 1}));
+  EXPECT_EQ(dataset.lattice.world_from_index * Vec3(1, 2, 0), Vec3(7, 5, 0));
+  EXPECT_EQ(values_of<float>(dataset.arrays[0]), (std::vector<float>{0, 3, 1, 4, 2, 5}));
+  variable_of(nc, "b").dims = {0};  // the places of cells: neither is an axis
+  variable_of(nc, "b").bytes = big_endian<float>({3, 4});
+  EXPECT_EQ(read_nc(nc).lattice.dims, (Index3{3, 2, 1}));
+  variable_of(nc, "b").dims = {0, 1};  // of a curved grid
+  variable_of(nc, "b").bytes = big_endian(std::vector<float>(6, 1));
+  variable_of(nc, "a").attributes.clear();
+  EXPECT_TRUE(has_note(read_nc(nc), "'b', which 'v' names as places along an axis, has two axes"));
 }
 
 TEST(Netcdf, FilesAreSteps) {

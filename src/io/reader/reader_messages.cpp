@@ -294,6 +294,10 @@ std::optional<Bounds3> box_of(const Json& json) {
   return box;
 }
 
+Json json_of(const std::optional<Vec3>& vector) {
+  return vector ? Json::array({vector->x(), vector->y(), vector->z()}) : Json();
+}
+
 Json json_of(const std::optional<RowShare>& share) {
   return share ? Json::array({share->number, share->count}) : Json();
 }
@@ -416,6 +420,7 @@ std::vector<std::uint8_t> to_message(const ReaderRequest& request) {
                            {"array", options.array},
                            {"block", options.block},
                            {"axis_order", options.raw.axis_order},
+                           {"spacing", json_of(options.raw.spacing)},
                            {"step", options.step ? Json(*options.step) : Json()},
                            {"positions", options.hdf5.positions},
                            {"values", options.hdf5.values},
@@ -443,6 +448,8 @@ ReaderRequest request_from_message(const std::vector<std::uint8_t>& message) {
     request.options.array = json.at("array");
     request.options.block = json.at("block");
     request.options.raw.axis_order = json.at("axis_order");
+    if (const Json& spacing = json.at("spacing"); !spacing.is_null())
+      request.options.raw.spacing = Vec3(spacing.at(0), spacing.at(1), spacing.at(2));
     if (!json.at("step").is_null()) request.options.step = json.at("step").get<std::int64_t>();
     request.options.hdf5.positions = json.at("positions");
     request.options.hdf5.values = json.at("values").get<std::vector<std::string>>();

@@ -15,7 +15,7 @@
 namespace ovoid::io {
 
 // A reader that speaks another version refuses every request.
-inline constexpr int kReaderProtocol = 7;
+inline constexpr int kReaderProtocol = 8;
 
 // Reads one dataset, or one step of it.
 struct ReaderRequest {
@@ -23,7 +23,8 @@ struct ReaderRequest {
   std::string source;              // what the user named, for messages
   std::vector<std::string> paths;  // files; as named, from `folder`
   std::string folder;              // the working directory
-  ReadOptions options;  // but for all of `raw` save axis_order, `progress`, `stop` and `session`
+  // But for all of `raw` save axis_order and spacing, `progress`, `stop` and `session`.
+  ReadOptions options;
   std::int64_t memory = 0;  // of the host: available_memory()
   // What may be opened, canonical paths: regular files, and folders with all that is below them.
   std::vector<std::string> files;

@@ -13,10 +13,13 @@
 #include <vector>
 
 #include "io/core/axis_order.h"
+#include "io/core/cf_grid.h"
+#include "io/core/cf_places.h"
 #include "io/core/samples.h"
 #include "io/core/signatures.h"
 #include "io/zarr/ome_images.h"
 #include "io/zarr/zarr_array.h"
+#include "io/zarr/zarr_cf.h"
 #include "io/zarr/zarr_places.h"
 #include "io/zarr/zarr_store.h"
 #include "ovoid/error.h"
@@ -279,13 +282,11 @@ class ZarrReader {
       check_axis_order(array.where, asked, array.shape);
       return asked;
     }
-    std::string axes;
-    for (const std::string& name : zarr_axis_names(node)) {
-      const std::optional<char> letter = axis_called(name);
-      axes += letter && !axis_place(axes, *letter) ? *letter : kPassedAxis;
-    }
-    if (axes.size() == array.shape.size() && axis_place(axes, 'x') && axis_place(axes, 'y'))
-      return axes;
+    const CfVariable& variable = file_->variable_of(node);
+    const CfCoordinates coordinates = finder_->of(variable);
+    const std::string told = cf_told_axes(file_->description(), variable, coordinates);
+    if (told.size() == array.shape.size() && axis_place(told, 'x') && axis_place(told, 'y'))
+      return cf_axes(file_->description(), variable, coordinates);
     const auto usual = usual_axis_order(array.shape);
     if (!usual) {
       fail(ErrorCode::kUnsupported,
@@ -299,6 +300,8 @@ class ZarrReader {
   }
 
   void read_arrays(const std::vector<ZarrNode>& nodes) {
+    file_.emplace(dataset_.source, store_, nodes);
+    finder_.emplace(file_->description());
     std::vector<FoundArray> found = volumes_of(nodes);
     if (found.empty()) {
       fail(options_.array.empty() ? ErrorCode::kUnsupported : ErrorCode::kInvalidArgument,
@@ -322,21 +325,40 @@ class ZarrReader {
     }
     std::vector<ChunkedArray> arrays;
     arrays.reserve(found.size());
-    for (FoundArray& one : found) arrays.push_back(std::move(one.array));
+    for (FoundArray& one : found) {
+      one.array.type = cf_type(file_->variable_of(*one.node).attributes, one.array.type);
+      arrays.push_back(std::move(one.array));
+    }
+    const CfVariable& first = file_->variable_of(*found[0].node);
+    const CfCoordinates coordinates = finder_->of(first);
+    std::optional<CfPlaces> places;
+    const bool has_places = std::any_of(coordinates.begin(), coordinates.end(),
+                                        [](const CfVariable* one) { return one != nullptr; });
+    if (has_places && !options_.raw.spacing)
+      places = cf_places(*file_, first, arrays[0].axes, coordinates, dataset_.notes);
     // A channel is asked for by its own name; here the array's was.
     ReadOptions options = options_;
     if (nodes.size() > 1) options.array.clear();
+    options.may_stay_in_file = options.may_stay_in_file && (!places || places->are_even);
     read_chunked(arrays, options, dataset_);
+    apply_attributes(found, arrays);
+    CfTimes times = cf_times(*file_, arrays[0].axes, coordinates);
+    set_cf_times(std::move(times.times), times.units, dataset_);
+    if (places) place_by_cf(*places, dataset_);
+    if (dataset_.kind == DatasetKind::kLattice) place_as_asked();
+  }
+
+  void apply_attributes(const std::vector<FoundArray>& found,
+                        const std::vector<ChunkedArray>& arrays) {
     std::size_t next = 0;
     for (std::size_t i = 0; i < arrays.size(); ++i) {
+      const CfNumbers numbers =
+          cf_numbers(file_->variable_of(*found[i].node).attributes, arrays[i].type, file_->fill());
       for (std::int64_t c = 0; c < arrays[i].num_channels() && next < dataset_.arrays.size(); ++c) {
         if (dataset_.arrays[next].name != arrays[i].channel_name(c)) continue;
-        apply_cf_attributes(*found[i].node, arrays[i].where, dataset_.arrays[next++],
-                            dataset_.notes);
+        apply_cf_numbers(arrays[i].where, numbers, dataset_.arrays[next++], dataset_.notes);
       }
     }
-    place_zarr_array(store_, *found[0].node, arrays[0].axes, dataset_);
-    place_as_asked();
   }
 
   static std::string keys_of(const std::vector<ZarrNode>& nodes) {
@@ -357,7 +379,9 @@ class ZarrReader {
 
   const ReadOptions& options_;
   std::shared_ptr<const ZarrStore> store_;
-  std::string folder_;  // of the root; empty within a zip file
+  std::string folder_;              // of the root; empty within a zip file
+  std::optional<ZarrCfFile> file_;  // of arrays by themselves
+  std::optional<CfCoordinateFinder> finder_;
   Dataset dataset_;
 };
 

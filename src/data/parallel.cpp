@@ -34,12 +34,15 @@ void parallel_ranges(const ParallelPlan& plan,
   std::exception_ptr failure;
   std::mutex failure_mutex;
 
+  const auto check_stop = [&] {
+    if (plan.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "cancelled");
+  };
   const auto work = [&] {
     try {
       while (!failed.load(std::memory_order_relaxed)) {
         const std::int64_t begin = next.fetch_add(plan.grain, std::memory_order_relaxed);
         if (begin >= plan.count) return;
-        if (plan.stop.stop_requested()) throw Error(ErrorCode::kCancelled, "cancelled");
+        check_stop();
         body(begin, std::min(begin + plan.grain, plan.count));
       }
     } catch (...) {
@@ -63,6 +66,7 @@ void parallel_ranges(const ParallelPlan& plan,
     work();
   }
   if (failure) std::rethrow_exception(failure);
+  check_stop();  // bodies that look at the token themselves may have left their ranges unfinished
 }
 
 }  // namespace ovoid::data

@@ -12,7 +12,8 @@ struct ParallelPlan {
   std::int64_t count = 0;  // items 0 to count - 1
   std::int64_t grain = 1;  // items handed out at a time, >= 1
   int threads = 0;         // as resolve_threads() takes it
-  std::stop_token stop{};  // triggered: Error(kCancelled) once the ranges under way are done
+  // Triggered: Error(kCancelled) once the ranges under way are done, even if they are the last.
+  std::stop_token stop{};
 };
 
 // 0: one per hardware thread. Throws Error(kInvalidArgument) for a negative number or more than

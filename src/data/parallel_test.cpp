@@ -56,6 +56,16 @@ TEST(ParallelRanges, StopBetweenRanges) {
   EXPECT_EQ(done, 5);
 }
 
+// What is half done may not be taken for done: bodies end early when they see the token.
+TEST(ParallelRanges, AStopInTheLastRangeIsTold) {
+  std::stop_source source;
+  EXPECT_THROW(parallel_ranges({5, 1, 1, source.get_token()},
+                               [&](std::int64_t begin, std::int64_t) {
+                                 if (begin == 4) source.request_stop();
+                               }),
+               Error);
+}
+
 TEST(ResolveThreads, TakesZeroAsAllAndRefusesNonsense) {
   EXPECT_GE(resolve_threads(0), 1);
   EXPECT_EQ(resolve_threads(3), 3);

@@ -43,7 +43,7 @@ struct CfDescription {
 
   std::vector<std::int64_t> shape(const CfVariable& variable) const;
   // Of this name, with its groups; null: not there.
-  const CfVariable* variable(std::string_view name) const;
+  const CfVariable* variable(std::string_view wanted) const;
 };
 
 class CfFile {

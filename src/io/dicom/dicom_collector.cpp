@@ -430,7 +430,7 @@ void DicomCollector::visit_siemens(DicomTag group, DicomTag number, const DicomE
   if (number == 0x0AU) tiles.num_slices = values_.count_if_any(element);
   if (number == 0x0CU) general.b_value = values_.number_if_any(element);
   if (number == 0x29U && element.length % 8 == 0)
-    tiles.num_slice_times = static_cast<double>(element.length / 8);
+    tiles.num_slice_times = static_cast<double>(element.length) / 8;
 }
 
 void DicomCollector::visit_image(const DicomElement& element) {

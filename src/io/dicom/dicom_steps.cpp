@@ -133,6 +133,7 @@ class Orderer {
     }
     if (found.size() != num_steps_) return std::nullopt;
     std::vector<DicomFrames> steps;
+    steps.reserve(found.size());
     for (auto& [value, step] : found) steps.push_back(std::move(step));
     return steps;
   }
@@ -245,6 +246,7 @@ class KindSplitter {
     });
     if (!differ_at_a_place || !are_whole) return {kind};
     std::vector<KindKey> all;
+    all.reserve(num_places.size());
     for (const auto& [own, count] : num_places) all.push_back(own);
     std::vector<DicomKind> result;
     for (const KindKey& own : all) {

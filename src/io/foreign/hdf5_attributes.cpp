@@ -67,6 +67,7 @@ std::vector<std::string> read_pointers(hid_t attribute, hid_t type, std::size_t 
   std::vector<char*> pointers(count, nullptr);
   if (H5Aread(attribute, type, pointers.data()) < 0) return {};
   std::vector<std::string> texts;
+  texts.reserve(count);
   for (const char* const text : pointers)
     texts.push_back(text == nullptr ? "" : std::string(text, ::strnlen(text, kMaxHdf5Text + 1)));
   const Hdf5Handle space(H5Aget_space(attribute), H5Sclose);

@@ -149,6 +149,7 @@ std::vector<const Hdf5Dataset*> Hdf5CfFile::as_created() const {
     return std::pair(a.group, a.order) < std::pair(b.group, b.order);
   });
   std::vector<const Hdf5Dataset*> sorted;
+  sorted.reserve(made.size());
   for (const Made& one : made) sorted.push_back(one.dataset);
   return sorted;
 }
@@ -317,16 +318,16 @@ bool leave_those_with_axes(Hdf5CfFile& file) {
 
 }  // namespace
 
-std::optional<Dataset> read_hdf5_cf(const Hdf5File& hdf5, const ReadOptions& options,
+std::optional<Dataset> read_hdf5_cf(const Hdf5File& file, const ReadOptions& options,
                                     Hdf5Axes axes) {
-  Hdf5CfFile file(hdf5);
-  if (!file.has_scales() && (axes == Hdf5Axes::kScales || !leave_those_with_axes(file)))
+  Hdf5CfFile variables(file);
+  if (!variables.has_scales() && (axes == Hdf5Axes::kScales || !leave_those_with_axes(variables)))
     return std::nullopt;
   // What is not there among dimension scales is told so.
   ReadOptions any = options;
-  if (file.has_scales()) any.array.clear();
-  if (!has_cf_grid(file, any)) return std::nullopt;
-  return read_cf_grid(file, options);
+  if (variables.has_scales()) any.array.clear();
+  if (!has_cf_grid(variables, any)) return std::nullopt;
+  return read_cf_grid(variables, options);
 }
 
 }  // namespace ovoid::io

@@ -95,9 +95,9 @@ class Hdf5File {
   // if there is neither. Of texts the same, without the dataset.
   std::vector<double> numbers(const std::string& object, const std::string& name) const;
   // Throws what open() does; of up to Hdf5Extent::kMaxRank axes.
-  void check(const Hdf5Dataset& dataset) const;
+  void check(const Hdf5Dataset& described) const;
   // All numbers of a dataset of as many axes. Throws what open() does.
-  std::vector<double> values(const Hdf5Dataset& dataset) const;
+  std::vector<double> values(const Hdf5Dataset& described) const;
   std::vector<std::string> texts(const std::string& object, const std::string& name) const;
   std::optional<std::string> text(const std::string& object, const std::string& name) const;
 

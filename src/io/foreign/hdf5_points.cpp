@@ -307,6 +307,7 @@ Dataset read_hdf5_points(const ByteSource& source, const ReadOptions& options) {
   if (options.hdf5.positions.empty()) {
     std::vector<Hdf5Positions> all = candidates_in(file);
     std::vector<PositionsPlace> places;
+    places.reserve(all.size());
     for (const Hdf5Positions& one : all) places.push_back({one.path(), one.group()});
     positions = std::move(all[choose_positions(source.name(), places, dataset.notes)]);
   } else {

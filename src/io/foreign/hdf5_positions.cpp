@@ -128,6 +128,7 @@ std::size_t choose_positions(const std::string& source, const std::vector<Positi
                                      [&](const PositionsPlace& p) { return rank(p) >= 0; });
   if (!is_gadget) {
     std::vector<std::string> paths;
+    paths.reserve(places.size());
     for (const PositionsPlace& place : places) paths.push_back(place.path);
     fail_candidates(source, paths);
   }

@@ -171,7 +171,7 @@ class SnapshotReader {
 
   // What is asked for need not be called like positions.
   std::string choose_asked() {
-    const std::string path = absolute_path(options_.hdf5.positions);
+    std::string path = absolute_path(options_.hdf5.positions);
     std::optional<Error> first_error;
     bool is_found = false;
     for (std::size_t i = 0; i < places_.size(); ++i) {

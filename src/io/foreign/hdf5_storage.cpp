@@ -213,8 +213,9 @@ void read_selected(hid_t dataset, const Hdf5Extent& extent, hid_t memory, hid_t 
   const hid_t type = known.converted_size > 0 ? hdf5_native_type(known.type) : stored.get();
   const Hdf5Unpacking unpacking(dataset, extent.type.stored_size());
   if (H5Dread(dataset, type, memory, space, H5P_DEFAULT, to.data()) < 0) {
-    fail_storage(extent, fmt::format("cannot be read: {}is the file damaged?",
-                                     unpacking.error().empty() ? "" : unpacking.error() + ": "));
+    fail_storage(extent,
+                 fmt::format("cannot be read: {}is the file damaged?",
+                             Hdf5Unpacking::error().empty() ? "" : Hdf5Unpacking::error() + ": "));
   }
   if (known.converted_size > 0) return;
   if (known.is_big_endian != (std::endian::native == std::endian::big))

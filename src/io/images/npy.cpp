@@ -47,7 +47,7 @@ bool looks_like_npy(std::string_view start) noexcept { return start.starts_with(
 
 std::string npy_axes(const std::string& name, const NpyHeader& header, const ReadOptions& options) {
   if (!options.raw.axis_order.empty()) {
-    const std::string order = order_with_passed_axes(options.raw.axis_order, header.shape);
+    std::string order = order_with_passed_axes(options.raw.axis_order, header.shape);
     check_axis_order(name, order, header.shape);
     return order;
   }

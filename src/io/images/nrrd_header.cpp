@@ -52,7 +52,7 @@ std::string canonical_name(std::string_view name) {
       "data file",        "line skip",    "byte skip",   "sample units",     "axis mins",
       "axis maxs",        "block size",   "old min",     "old max",          "space dimension",
       "space directions", "space origin", "space units", "measurement frame"};
-  const std::string result = lower(trimmed(name));
+  std::string result = lower(trimmed(name));
   if (result == "centerings") return "centers";
   for (const char* const spaced : kSpaced) {
     std::string joined = spaced;
@@ -70,9 +70,9 @@ void keep_key(std::string_view line, std::size_t colon, HeaderText& text) {
       std::isdigit(static_cast<unsigned char>(key[kSegment.size()])) != 0)
     text.is_segmentation = true;
   constexpr std::size_t kMostKeys = 64;
-  const bool is_of_sequence = (key.starts_with("axis ") && key.find(" index ") != key.npos) ||
-                              key == "MultiVolume.FrameLabels" ||
-                              key == "MultiVolume.FrameIdentifyingDICOMTagUnits";
+  const bool is_of_sequence =
+      (key.starts_with("axis ") && key.find(" index ") != std::string_view::npos) ||
+      key == "MultiVolume.FrameLabels" || key == "MultiVolume.FrameIdentifyingDICOMTagUnits";
   if (is_of_sequence && text.sequence_keys.size() < kMostKeys)
     text.sequence_keys.emplace(key, trimmed(line.substr(colon + 2)));
 }

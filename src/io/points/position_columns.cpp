@@ -143,7 +143,7 @@ std::optional<Found> find_named(const std::vector<PointColumn>& columns) {
   for (const PointColumn& column : columns) names.push_back(plain_name(column.name));
   if (auto found = find_lettered(names)) return found;
   static constexpr std::array<std::string_view, 1> kX{"x"}, kY{"y"};
-  const auto flat = find_horizontal(names, kX, kY, {});
+  auto flat = find_horizontal(names, kX, kY, {});
   if (flat && flat->positions.columns[2]) return flat;
   if (auto found = find_horizontal(names, kLongitudes, kLatitudes, kDegrees)) return found;
   if (auto found = find_horizontal(names, kEastings, kNorthings, kLengthUnits)) return found;

@@ -92,6 +92,7 @@ class SpawnSettings {
     std::array<char*, 2> arguments{name.data(), nullptr};
     std::vector<std::string> variables = reader_environment(std::getenv("LD_LIBRARY_PATH"));
     std::vector<char*> environment;
+    environment.reserve(variables.size() + 1);
     for (std::string& variable : variables) environment.push_back(variable.data());
     environment.push_back(nullptr);
     pid_t pid = -1;

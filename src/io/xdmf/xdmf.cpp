@@ -274,10 +274,12 @@ class XdmfReader {
     if (std::all_of(grids.begin(), grids.end(),
                     [](const XdmfGrid& grid) { return grid.lattice.has_value(); })) {
       std::vector<LatticePart> parts;
+      parts.reserve(grids.size());
       for (XdmfGrid& grid : grids) parts.push_back(part_of(grid));
       return dataset_of_lattices(std::move(dataset), std::move(parts), options_);
     }
     std::vector<MeshPart> parts;
+    parts.reserve(grids.size());
     for (XdmfGrid& grid : grids)
       parts.push_back(grid.lattice ? mesh_part_of(part_of(grid)) : std::move(grid.part));
     return mesh_of_parts(std::move(dataset), std::move(parts), options_);

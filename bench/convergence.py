@@ -126,8 +126,8 @@ def main():
             field = json.loads(subprocess.run([OVOID, "info", "--json", *path.split("+"), *array_flags(path)], check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout)["field"]
             for look, flags in looks_of(*field["range"]).items():
                 subject = Subject(path, flags, options.size, folder)
-                exact, sheets = subject.converged(field["default_sampling_distance"])
-                turned, _ = subject.converged(field["default_sampling_distance"], 0.5)
+                exact, sheets = subject.converged(field["default_unit_distance"])
+                turned, _ = subject.converged(field["default_unit_distance"], 0.5)
                 cells, times = {}, {}
                 for way in ("sampled", "refined"):
                     chosen = ["--classification", way]

@@ -153,7 +153,7 @@ def grid_table(folder, count, frames):
     print(f"| ovoid, no grid | yes | {own['load_ms'] + own['model_ms']:.0f} | {own['frame_ms']['median']:.0f} ({own['frame_ms']['min']:.0f}) |")
     for grid, name in GRID_FILTERS.items():
         peer = run_peer("fixed", ["--volume", plain, "--grid", grid, "--width", str(PIXELS), "--height", str(PIXELS), "--sampling-distance",
-                                  str(field["default_sampling_distance"]), "--unit-distance", str(field["default_unit_distance"])], frames)
+                                  str(field["default_unit_distance"]), "--unit-distance", str(field["default_unit_distance"])], frames)
         print(f"| VTK {peer['vtk']}, {name} to 256^3, ray cast | yes | {peer['prepare_ms']:.0f} | {peer['frame_ms']['median']:.0f} "
               f"({peer['frame_ms']['min']:.0f}) |")
     print()

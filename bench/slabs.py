@@ -37,7 +37,7 @@ def psnr(values, wanted):
 
 def table(folder, path):
     described = json.loads(subprocess.run([OVOID, "info", "--json", path, *array_flags(path)], check=True, capture_output=True, text=True).stdout)["field"]
-    distance, unit = described["default_sampling_distance"], described["default_unit_distance"]
+    distance = unit = described["default_unit_distance"]
     wanted, _ = picture_of(folder, path, "mean", distance / 16, unit)
     print(f"{os.path.basename(path)}\n\n| slab | distance | frame, ms | PSNR, dB |\n|---|---|---|---|")
     for slab in ("mid", "mean"):

@@ -12,6 +12,7 @@
 #include "make_field.h"
 #include "ovoid/error.h"
 #include "ovoid/look.h"
+#include "ovoid/render_options.h"
 #include "ovoid/renderer.h"
 #include "setting_forms.h"
 
@@ -151,7 +152,7 @@ Json field_json(const Modelled& modelled, const std::stop_token& stop) {
     json["prefiltered"] = modelled.lattice.is_prefiltered;
     json["materials"] = json_of(materials_of(field));
   }
-  json["default_sampling_distance"] = field.default_sampling_distance();
+  json["default_sampling_distance"] = sheet_distance(field, {}, {});  // as `ovoid render` takes it
   json["default_unit_distance"] = default_unit_distance(field);
   json["memory_bytes"] = field.resident_bytes();
   return json;

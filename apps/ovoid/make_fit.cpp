@@ -29,7 +29,7 @@ const Table<FitFlags>& fit_settings() {
       {"-o,--output", word("OUT"), &F::output, "the kernels: .ply; of a lattice, as levels: .h5"},
       {"--psnr", number("DB"), &F::psnr, "as few kernels as reach it: 20 log10(range / rms error)"},
       {"--tolerance", Form<Tolerance>{"VALUE[%]", parse_tolerance}, &F::tolerance,
-       "as few as leave no greater error; with %, of the values' range",
+       "so many that no error is greater; with %, of the values' range",
        not_with("psnr", kGiveOne)},
       {"--kernels", integer<std::int64_t>("N", 1, std::int64_t{1} << 40), &F::kernels,
        "so many, as good as they get", not_with("psnr tolerance", kGiveOne)},

@@ -66,7 +66,8 @@ void run_sample(const Words& words, Session& session) {
   SampleFlags sample;
   Flags flags("sample", "INPUT... --points FILE -o OUT [FLAG...]",
               "Writes the reconstructed field and its gradient at given points: x, y, z, value, "
-              "gx, gy, gz, weight (the sum of the kernels, about 1 inside) and defined (0 or 1; "
+              "gx, gy, gz, weight (the sum of the kernels, about 1 inside; of a lattice over that "
+              "of an endless one) and defined (0 or 1; "
               "value and gradient are NaN where it is 0); with --color-array also color_value.");
   flags.section("");
   flags.add(sample_settings(), &sample);

@@ -175,7 +175,7 @@ class Samples(typing.NamedTuple):
     gradient : numpy.ndarray of float64, (..., 3)
         In values per world unit.
     weight : numpy.ndarray of float64, (...)
-        The sum of the kernels, about 1 inside.
+        The sum of the kernels, about 1 inside; of a lattice over that of an endless one.
     is_defined : numpy.ndarray of bool, (...)
     """
 

@@ -31,7 +31,7 @@ TEST(Info, TellsWhatIsInTheFile) {
   // The middle samples lie at sqrt(3)/2 from the centre: 255 (1 - 0.866 / 6) = 218.19.
   EXPECT_EQ(facts["arrays"][0]["range"], (json{0.0, 218.0}));
   EXPECT_EQ(facts["field"]["num_kernels"], 4096);
-  EXPECT_EQ(facts["field"]["default_sampling_distance"], 0.5);
+  EXPECT_EQ(facts["field"]["default_sampling_distance"], 0.25);
   EXPECT_EQ(facts["field"]["default_unit_distance"], 0.5);
   EXPECT_GE(facts["field"]["memory_bytes"], 4096);
   const auto& quantiles = facts["field"]["quantiles"];

@@ -109,6 +109,28 @@ TEST(TimeSlice, StaticVolumesStay) {
   }
 }
 
+// Each half has samples of its own, which do not change. Not by `exact`, which mixes the halves by
+// the time.
+TEST(TimeSlice, StaticVolumesStayWhateverTheyHold) {
+  const Series series = series_of_numbers(
+      SeriesKind::kStaggered, staggered_times(9), [](std::int64_t step, std::int64_t sample) {
+        return 2 + std::sin(0.3 * static_cast<double>(sample + step % 2));
+      });
+  const auto values_at = [&](TimeFilter filter, double time) {
+    TimeSliceOptions options;
+    options.filter = filter;
+    return values_of(slice_at_time(series, time, options));
+  };
+  for (const TimeFilter filter : {TimeFilter::kTwoSteps, TimeFilter::kGaussian}) {
+    const std::vector<float> first = values_at(filter, series.times()[3]);
+    for (const double share : {0.2, 0.5, 0.9}) {
+      const double time = series.times()[3] + share * (series.times()[4] - series.times()[3]);
+      const std::vector<float> values = values_at(filter, time);
+      for (std::size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(values[i], first[i], 1e-5F) << i;
+    }
+  }
+}
+
 // Fails if halves are exchanged, or layers are not theirs in turn.
 TEST(TimeSlice, HalvesBecomeLayersInTurn) {
   const Series series = series_of_numbers(

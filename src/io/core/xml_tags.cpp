@@ -107,16 +107,6 @@ std::optional<XmlTag> XmlTagReader::next() {
       position_ = close + 1;
       continue;
     }
-    if (doctype_ == Doctype::kPassed && start == "<!DO") {
-      const std::string text = tag_text(begin);
-      // "[]" holds declarations, of entities too.
-      const auto open = text.find('[');
-      if (open == std::string::npos ||
-          text.find_first_not_of(" \t\r\n", open + 1) == text.find(']', open + 1)) {
-        position_ = begin + static_cast<std::int64_t>(text.size());
-        continue;
-      }
-    }
     // Entities could be declared there that grow without end where they are used.
     if (start.starts_with("<!")) {
       throw Error(

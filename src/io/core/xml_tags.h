@@ -27,11 +27,7 @@ struct XmlTag {
 // passed over.
 class XmlTagReader {
  public:
-  // Whether a document type without declarations of its own is passed over.
-  enum class Doctype { kRefused, kPassed };
-
-  explicit XmlTagReader(const ByteSource& source, Doctype doctype = Doctype::kRefused)
-      : source_(source), doctype_(doctype) {}
+  explicit XmlTagReader(const ByteSource& source) : source_(source) {}
 
   // The next tag; empty at the end of the file. Throws Error: kFileFormat for a tag that does not
   // end or is longer than 64 KiB, kUnsupported for a declaration.
@@ -43,7 +39,6 @@ class XmlTagReader {
   std::string tag_text(std::int64_t begin);
 
   const ByteSource& source_;
-  Doctype doctype_;
   std::int64_t position_ = 0;
   std::string window_;  // a piece of the file
   std::int64_t window_begin_ = 0;

@@ -30,11 +30,18 @@ std::string reason_against(const BackEnd& back_end, const FrameJob& job) {
 }
 
 // True if samples share their weights, which is what makes lattice sheets faster.
-bool samples_share_weights(const LatticeField& field, const RenderOptions& options) {
+bool samples_share_weights(const LatticeField& field) {
   const LatticeKernel kernel = field.index_kernel();
   return field.geometry().num_sublattices() == 1 && kernel.support_radius() == 2.0 &&
-         kernel.sigma >= 0.25 && kernel.sigma <= 2.0 &&
-         field.reconstruction() == Reconstruction::kNormalized && options.slab != Slab::kMean;
+         kernel.sigma >= 0.25 && kernel.sigma <= 2.0;
+}
+
+// True if fewer samples are summed than on image sheets, or of fewer kernels: in pictures so small
+// that kernels would be widened, and in those so large that samples are interpolated.
+bool saves_samples(const view::BasePlane& base, const FrameJob& job) {
+  constexpr double kSmall = 1.2;  // samples per spacing
+  return base.samples_per_spacing < kSmall ||
+         view::first_samples_apart(base, steepness_of(job), job.look.mode, job.options) > 1;
 }
 
 // The lattice whose planes the sheets of a frame are parallel to: the one with the smallest
@@ -84,6 +91,14 @@ bool are_gentle(const FrameJob& job) {
 
 }  // namespace
 
+double steepness_of(const FrameJob& job) {
+  double steepest = view::steepness_of(job.look, job.field.value_range());
+  for (const FurtherVolume& volume : job.further) {
+    steepest = std::max(steepest, view::steepness_of(volume.look, volume.field.value_range()));
+  }
+  return steepest;
+}
+
 std::optional<LatticeSheets> lattice_sheets_for(const BackEnd& back_end, const FrameJob& job,
                                                 bool is_distance_free) {
   const RenderOptions& options = job.options;
@@ -94,7 +109,9 @@ std::optional<LatticeSheets> lattice_sheets_for(const BackEnd& back_end, const F
     return std::nullopt;
   }
   const LatticeField& field = finest_lattice(job);
-  if (!must && !samples_share_weights(field, options)) return std::nullopt;
+  if (!must &&
+      (field.reconstruction() != Reconstruction::kNormalized || options.slab == Slab::kMean))
+    return std::nullopt;
   const double reach = options.slab == Slab::kMean
                            ? options.sampling_distance / field.geometry().spacing().minCoeff()
                            : 0.0;
@@ -110,7 +127,9 @@ std::optional<LatticeSheets> lattice_sheets_for(const BackEnd& back_end, const F
                   "picture on these than the one that is seen: take auto or image");
     return std::nullopt;
   }
-  if (!must && static_cast<double>(base->width) * base->height > kMostSamples) return std::nullopt;
+  if (!must && (static_cast<double>(base->width) * base->height > kMostSamples ||
+                !(samples_share_weights(field) || saves_samples(*base, job))))
+    return std::nullopt;
   const bool is_wide = is_distance_free && view::is_refined(job.look, options) && are_gentle(job);
   const double distance =
       options.sampling_distance * base->closeness * (is_wide ? view::kGentleDistance : 1.0);

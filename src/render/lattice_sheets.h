@@ -19,4 +19,7 @@ struct LatticeSheets {
 std::optional<LatticeSheets> lattice_sheets_for(const BackEnd& back_end, const FrameJob& job,
                                                 bool is_distance_free);
 
+// Of the frame's steepest look, view::steepness_of().
+double steepness_of(const FrameJob& job);
+
 }  // namespace ovoid

@@ -21,6 +21,19 @@ constexpr double kFewSamples = 1 << 16;
 // Nor one that is smaller than a pixel: the filter that makes it would be far wider than the plane.
 constexpr double kMostSamplesAlongPixel = 4.0 * RenderOptions::kMaxImageSide;
 
+// Of what is drawn first: at least so many samples a spacing.
+constexpr double kLeastSamplesPerSpacing = 1.5;
+constexpr int kMostApart = 8;
+// And at least so many samples in all: of fewer too little can be seen.
+constexpr double kFewestSamples = 32 * 32;
+
+// Looks that are steeper, in opacity over the field's range, draw lines too thin for samples apart.
+constexpr double kGreatestSteepness = 25;
+// Of looks that are steeper than this, most samples are drawn after all, unless there are so many
+// that those drawn first cost next to nothing.
+constexpr double kSteepness = 4;
+constexpr int kLeastApartIfSteep = 4;
+
 struct ViewAxes {
   Vec3 eye, right, up, axis;
   double across, upwards;  // half of the picture: world units, or at z = 1
@@ -195,6 +208,20 @@ std::optional<BasePlane> base_plane(const LatticeField& field, const Bounds3& su
   base.depth = {base.corner.dot(view.axis) + (base.is_parallel ? 0.0 : 1.0),
                 base.per_x.dot(view.axis), base.per_y.dot(view.axis)};
   return base;
+}
+
+int first_samples_apart(const BasePlane& base, double steepness, Mode mode,
+                        const RenderOptions& options) {
+  // An x-ray's numbers are no colours.
+  if (options.post_convolution != PostConvolution::kAuto || mode == Mode::kXray ||
+      steepness > kGreatestSteepness)
+    return 1;
+  const double samples = static_cast<double>(base.width) * base.height;
+  int n = 1;
+  while (n < kMostApart && base.samples_per_spacing >= kLeastSamplesPerSpacing * 2 * n &&
+         samples >= kFewestSamples * 4 * n * n)
+    n *= 2;
+  return steepness > kSteepness && n < kLeastApartIfSteep ? 1 : n;
 }
 
 PlaneOfOther plane_for(const BasePlane& base, const LatticeGeometry& lattice) {

@@ -9,6 +9,7 @@
 
 #include "ovoid/camera.h"
 #include "ovoid/field.h"
+#include "ovoid/look.h"
 #include "ovoid/math.h"
 #include "ovoid/render_options.h"
 
@@ -89,6 +90,11 @@ inline constexpr double kMostSpacings = 4.0 / 3;
 std::optional<BasePlane> base_plane(const LatticeField& field, const Bounds3& support,
                                     const Camera& camera, const RenderOptions& options,
                                     std::span<const Vec3> also = {});
+
+// How many samples apart those are that are drawn first: 1, 2, 4 or 8; 1: all are drawn.
+// `steepness`: of the steepest look, steepness_of().
+int first_samples_apart(const BasePlane& base, double steepness, Mode mode,
+                        const RenderOptions& options);
 
 // The same plane for another lattice: its axes in such an order that they run along the base
 // plane's, if they do.

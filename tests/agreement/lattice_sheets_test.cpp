@@ -246,17 +246,21 @@ Image averaged(const Image& fine) {
   return image;
 }
 
-Scene opaque_waves(bool is_parallel, const Vec3& direction) {
-  const Index3 dims{40, 40, 40};
+Scene opaque_waves(bool is_parallel, const Vec3& direction,
+                   LatticeKind kind = LatticeKind::kCartesian) {
+  const Index3 dims{40, 40, kind == LatticeKind::kBodyCentred ? 80 : 40};
+  const LatticeGeometry lattice{dims, Affine3::Identity(), kind};
   FieldSetup setup;
   setup.kernel = kBSplineKernel;
+  setup.lattice = kind;
   Scene scene;
   scene.field = make_stored_field(
       dims,
-      [](std::int64_t i, std::int64_t j, std::int64_t k) {
-        const double x = 0.25 * static_cast<double>(i);
-        const double y = 0.25 * static_cast<double>(j);
-        const double z = 0.25 * static_cast<double>(k);
+      [lattice](std::int64_t i, std::int64_t j, std::int64_t k) {
+        const Vec3 at = 0.25 * lattice.index_position({i, j, k});
+        const double x = at.x();
+        const double y = at.y();
+        const double z = at.z();
         return 0.5 + 0.16 * (std::sin(x) * std::cos(y) + std::sin(y) * std::cos(z) +
                              std::sin(z) * std::cos(x));
       },
@@ -351,6 +355,30 @@ TEST_F(LatticeSheets, SteepLooksHaveAllSamples) {
   const Image few = draw(scene).image;
   scene.options.post_convolution = PostConvolution::kOff;
   EXPECT_EQ(largest_difference(draw(scene).image, few), 0);
+}
+
+// Body-centred lattices: where fewer samples are summed, or fewer kernels, than on image sheets,
+// and there alone. Fails if small or magnified pictures are drawn on image sheets, or all of them
+// on lattice sheets.
+TEST_F(LatticeSheets, AutoTakesThemOfBodyCentredLatticesInSmallAndMagnifiedPictures) {
+  OVOID_NIGHTLY_ON_DEVICE();
+  Scene scene = opaque_waves(true, Vec3(0.48, -0.31, 0.82), LatticeKind::kBodyCentred);
+  scene.look.transfer_function.opacities = {{0.2, 0}, {1, 0.2}};
+  const struct {
+    int size;
+    Sheets expected;
+  } cases[] = {{40, Sheets::kLattice}, {120, Sheets::kImage}, {260, Sheets::kLattice}};
+  for (const auto& [size, expected] : cases) {
+    scene.options.width = scene.options.height = size;
+    const auto drawn_on = [&](Sheets sheets) {
+      scene.options.sheets = sheets;
+      return draw(scene).image;
+    };
+    const Image taken = drawn_on(Sheets::kAuto);
+    EXPECT_EQ(largest_difference(taken, drawn_on(expected)), 0) << size;
+    const Sheets other = expected == Sheets::kLattice ? Sheets::kImage : Sheets::kLattice;
+    EXPECT_GT(largest_difference(taken, drawn_on(other)), 1e-3) << size;
+  }
 }
 
 void expect_refused(const Scene& scene, const std::string& reason) {

@@ -7,23 +7,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "view/frame_plan.h"
-
 namespace ovoid::cpu {
 namespace {
-
-// Of what is drawn first: at least so many samples a spacing.
-constexpr double kLeastSamplesPerSpacing = 1.5;
-constexpr int kMostApart = 8;
-// And at least so many samples in all: of fewer too little can be seen.
-constexpr double kFewestSamples = 32 * 32;
-
-// Looks that are steeper, in opacity over the field's range, draw lines too thin for samples apart.
-constexpr double kGreatestSteepness = 25;
-// Of looks that are steeper than this, most samples are drawn after all, unless there are so many
-// that those drawn first cost next to nothing.
-constexpr double kSteepness = 4;
-constexpr int kLeastApartIfSteep = 4;
 
 // How much colours and opacities may bend at the corners of what is interpolated: the difference
 // of a sample to the mean of its neighbours on either side. The cubic through four samples errs by
@@ -226,20 +211,6 @@ SampleMask::SampleMask(int width, int height)
 bool SampleMask::is_empty(int x, int y) const noexcept {
   const RowWord* const first = of_tile(x, y);
   return std::all_of(first, first + kTileSize, [](RowWord row) { return row == 0; });
-}
-
-int first_samples_apart(const view::BasePlane& base, double steepness, Mode mode,
-                        const RenderOptions& options) {
-  // An x-ray's numbers are no colours.
-  if (options.post_convolution != PostConvolution::kAuto || mode == Mode::kXray ||
-      steepness > kGreatestSteepness)
-    return 1;
-  const double samples = static_cast<double>(base.width) * base.height;
-  int n = 1;
-  while (n < kMostApart && base.samples_per_spacing >= kLeastSamplesPerSpacing * 2 * n &&
-         samples >= kFewestSamples * 4 * n * n)
-    n *= 2;
-  return steepness > kSteepness && n < kLeastApartIfSteep ? 1 : n;
 }
 
 view::BasePlane every_nth_sample(const view::BasePlane& base, int n) {

@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "ovoid/image.h"
-#include "ovoid/look.h"
-#include "ovoid/render_options.h"
 #include "render/cpu/block.h"
 #include "render/cpu/runner.h"
 #include "view/base_plane.h"
@@ -40,11 +38,6 @@ class SampleMask {
   std::size_t tiles_across_;
   std::vector<RowWord> rows_;  // [tiles][kTileSize]
 };
-
-// How many samples apart those are that are drawn first: 1, 2, 4 or 8; 1: all are drawn.
-// `steepness`: of the steepest look, view::steepness_of().
-int first_samples_apart(const view::BasePlane& base, double steepness, Mode mode,
-                        const RenderOptions& options);
 
 // The base plane of every n-th sample.
 view::BasePlane every_nth_sample(const view::BasePlane& base, int n);

@@ -19,6 +19,7 @@
 #include "render/cpu/tile.h"
 #include "render/cpu/tile_output.h"
 #include "render/cpu/warp.h"
+#include "render/lattice_sheets.h"
 
 namespace ovoid::cpu {
 namespace {
@@ -269,11 +270,7 @@ RenderHooks part_of(const RenderHooks& hooks, double from, double to) {
 
 // How many samples of a base plane apart those are that are drawn first.
 int first_apart(const FrameJob& job) {
-  double steepness = view::steepness_of(job.look, job.field.value_range());
-  for (const FurtherVolume& volume : job.further) {
-    steepness = std::max(steepness, view::steepness_of(volume.look, volume.field.value_range()));
-  }
-  int n = first_samples_apart(*job.base, steepness, job.look.mode, job.options);
+  int n = view::first_samples_apart(*job.base, steepness_of(job), job.look.mode, job.options);
   const auto apart = [&](const LatticeField& field) {
     return view::plane_for(*job.base, field.geometry()).samples_apart;
   };

@@ -67,6 +67,7 @@ struct Way {
 void compare_slices(const ovoid::Series& cartesian, const ovoid::Series& staggered,
                     std::int64_t steps) {
   Way ways[] = {{"Cartesian, linear", &cartesian, ovoid::TimeFilter::kTwoSteps},
+                {"D4*, four steps", &staggered, ovoid::TimeFilter::kFourSteps},
                 {"D4*, two steps", &staggered, ovoid::TimeFilter::kTwoSteps},
                 {"D4*, Gaussian", &staggered, ovoid::TimeFilter::kGaussian},
                 {"D4*, exact", &staggered, ovoid::TimeFilter::kExact}};

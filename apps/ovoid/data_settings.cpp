@@ -18,7 +18,8 @@ using Found = std::optional<std::string>;
 
 // --- names of values
 
-const Names<TimeFilter> kTimeFilters = {{"two-steps", TimeFilter::kTwoSteps},
+const Names<TimeFilter> kTimeFilters = {{"four-steps", TimeFilter::kFourSteps},
+                                        {"two-steps", TimeFilter::kTwoSteps},
                                         {"gaussian", TimeFilter::kGaussian},
                                         {"exact", TimeFilter::kExact}};
 const Names<SliceMethod> kSliceMethods = {{"interpolated", SliceMethod::kInterpolated},

@@ -46,7 +46,7 @@ struct DataFlags {
   std::string block;
   std::optional<std::int64_t> step;
   std::optional<double> time;
-  TimeFilter time_filter = TimeFilter::kTwoSteps;
+  TimeFilter time_filter = TimeFilter::kFourSteps;
   SliceFlags slice;
   // Bytes of steps (none: kMemoryOfSteps), and of a lattice's samples (none: what there is).
   std::optional<std::size_t> memory_limit;
@@ -262,7 +262,7 @@ struct DrawingFlags {
   TrailFlags trail;
   std::optional<ValuePlane> plane;
   RendererSetup run = setup_of_environment();
-  TimeFilter time_filter = TimeFilter::kTwoSteps;  // as DataFlags has it
+  TimeFilter time_filter = TimeFilter::kFourSteps;  // as DataFlags has it
 };
 
 const Table<DataFlags>& data_settings();

@@ -36,7 +36,7 @@ struct HypersliceOptions {
   double spacing = 1;  // its T, in that of the data
   // In planes across one axis and on the data's own lattice and spacing sums are over that axis
   // alone, unless this is kExact.
-  TimeFilter filter = TimeFilter::kTwoSteps;
+  TimeFilter filter = TimeFilter::kFourSteps;
   std::string array;  // empty: the dataset's default
   int component = 0;
   int threads = 0;  // 0: one per hardware thread

@@ -18,6 +18,8 @@ namespace OVOID_API ovoid {
 
 // Over which kernels a time slice of a staggered series (D4*) is taken; others have one way.
 enum class TimeFilter : std::uint8_t {
+  kFourSteps,  // of each half four steps, by the cubic through them; then what alternates from half
+               // to half and moves is taken out, which no step alone can tell from the data
   kTwoSteps,  // of each half its two steps around the time, weighted by a Gaussian less what it has
               // at the next step, so that nothing jumps where a step comes in
   kGaussian,  // of each half all steps that the kernel reaches along time, as published
@@ -32,15 +34,16 @@ struct StepWeight {
 
 // The shares of the steps at `time`. Steps: those before and behind it, linearly, or the one that
 // it is at. Staggered: of the half `half` (0: even steps, 1: odd ones); a time before its first or
-// behind its last step is at that. Shares are positive and add up to 1. `times` as Series::times().
+// behind its last step is at that. Shares add up to 1; they are positive, but for those by four
+// steps, which are not all of that filter. `times` as Series::times().
 // Throws Error(kInvalidArgument) for a time that is not finite or lies outside of all steps' times.
-// Source: [Neophytou 2006, section 2.3].
+// Sources: [Neophytou 2006, section 2.3], [Keys 1981].
 std::vector<StepWeight> weights_of_steps(const std::vector<double>& times, double time);
 std::vector<StepWeight> weights_of_half(const std::vector<double>& times, int half, double time,
-                                        TimeFilter filter = TimeFilter::kTwoSteps);
+                                        TimeFilter filter = TimeFilter::kFourSteps);
 
 struct TimeSliceOptions {
-  TimeFilter filter = TimeFilter::kTwoSteps;
+  TimeFilter filter = TimeFilter::kFourSteps;
   int threads = 0;  // 0: one per hardware thread
   std::stop_token stop;
 };
@@ -71,9 +74,9 @@ class SliceFields {
 
   // The field of slice_at_time(series, time, options), equal but for rounding; its value range may
   // be wider, as sums of the steps' are. Memory: the steps that have a share, as they are stored,
-  // and of the slice what was drawn, as float32. Prefiltered staggered series are no such sums: of
-  // these the whole volume is made. Throws what Series::step, weights_of_steps and
-  // make_lattice_field throw.
+  // and of the slice what was drawn, as float32. Staggered series that are prefiltered, or sliced
+  // by kFourSteps, are no such sums: of these the whole volume is made. Throws what Series::step,
+  // weights_of_steps and make_lattice_field throw.
   LatticeField at(double time);
 
  private:

@@ -22,6 +22,7 @@
 #include "model/even_steps.h"
 #include "model/hyperplane_frame.h"
 #include "model/lattice_samples.h"
+#include "model/staggered_halves.h"
 #include "model/step_blend.h"
 #include "ovoid/error.h"
 
@@ -281,22 +282,31 @@ Dataset interpolated(const Series& series, const StepValues& steps, const SpaceT
 
 // --- sums along one axis of space
 
-// The planes of a half, or of a step, that a slice across `axis` is made of, and their shares.
-std::vector<StepWeight> shares_of_planes(const SpaceTime& space_time, int axis, double place,
-                                         int half, TimeFilter filter) {
+// The planes of a half, or of a step, that a slice across an axis is made of: their shares in it,
+// and in what moves, of a half by four steps.
+struct PlaneShares {
+  std::vector<StepWeight> shares, moving;
+};
+
+PlaneShares shares_of_planes(const SpaceTime& space_time, int axis, double place, int half,
+                             TimeFilter filter) {
   const std::int64_t size = space_time.dims[static_cast<std::size_t>(axis)];
   std::vector<double> places;
   if (space_time.kind == SeriesKind::kSteps) {
     for (std::int64_t i = 0; i < size; ++i) places.push_back(static_cast<double>(i));
-    return weights_of_steps(places, std::clamp(place, 0.0, places.back()));
+    return {weights_of_steps(places, std::clamp(place, 0.0, places.back())), {}};
   }
   // As if space were time: the halves' planes follow each other.
   for (std::int64_t i = 0; i < 2 * size; ++i)
     places.push_back(static_cast<double>(i) * space_time.step_distance());
-  std::vector<StepWeight> shares =
-      weights_of_half(places, half, std::clamp(place, 0.0, places.back()), filter);
-  for (StepWeight& share : shares) share.step /= 2;
-  return shares;
+  place = std::clamp(place, 0.0, places.back());
+  PlaneShares planes{weights_of_half(places, half, place, filter), {}};
+  if (filter == TimeFilter::kFourSteps)
+    planes.moving = model::moving_weights_of_half(places, half, place);
+  for (std::vector<StepWeight>* const shares : {&planes.shares, &planes.moving}) {
+    for (StepWeight& share : *shares) share.step /= 2;
+  }
+  return planes;
 }
 
 // A step's plane across the axis, made of several: rows of what is left of the axes.
@@ -337,14 +347,28 @@ Dataset across_axis(const Series& series, const StepValues& steps, const SpaceTi
   const Index3& dims = out.lattice.dims;
   const std::int64_t layer = dims[0] * dims[1];
   Floats values = model::new_floats(num_samples(dims));
-  const std::array<std::int64_t, 3> step_stride{1, dims[0], halves * layer};
+  const bool takes_four = is_staggered && options.filter == TimeFilter::kFourSteps;
+  const Index3 half_dims{dims[0], dims[1], dims[2] / halves};
+  std::array<Floats, 2> moving;
+  if (takes_four) {
+    for (Floats& half : moving) half = model::new_floats(num_samples(half_dims));
+  }
   for (std::int64_t step = 0; step < count * halves; ++step) {
     const auto half = static_cast<int>(step % halves);
-    const auto shares = shares_of_planes(space_time, axis, frame.place(), half, options.filter);
-    add_plane(
-        steps.at(step), space_time.dims, axis, shares, dims, halves * layer,
-        values.get() + half * layer + step / halves * step_stride[static_cast<std::size_t>(axis)]);
+    const PlaneShares planes =
+        shares_of_planes(space_time, axis, frame.place(), half, options.filter);
+    const auto add = [&](const std::vector<StepWeight>& shares, std::int64_t layer_stride,
+                         float* to) {
+      const std::array<std::int64_t, 3> step_stride{1, dims[0], layer_stride};
+      add_plane(steps.at(step), space_time.dims, axis, shares, dims, layer_stride,
+                to + step / halves * step_stride[static_cast<std::size_t>(axis)]);
+    };
+    add(planes.shares, halves * layer, values.get() + half * layer);
+    if (takes_four) add(planes.moving, layer, moving[static_cast<std::size_t>(half)].get());
   }
+  if (takes_four)
+    model::take_out_alternation(moving, half_dims, 1, {options.threads, options.stop},
+                                values.get());
   if (count * halves < series.num_steps())
     out.notes.push_back(fmt::format("{}: the last of {} steps is left out, which has no other half",
                                     out.source, series.num_steps()));

@@ -68,7 +68,8 @@ std::string error_of(const Series& series, const Hyperplane& plane,
 TEST(Hyperslice, AcrossTimeIsATimeSlice) {
   for (const SeriesKind kind : kKinds) {
     const Sampled data(kind, mixed);
-    for (const TimeFilter filter : {TimeFilter::kTwoSteps, TimeFilter::kGaussian}) {
+    for (const TimeFilter filter :
+         {TimeFilter::kFourSteps, TimeFilter::kTwoSteps, TimeFilter::kGaussian}) {
       const double time = 3.1;
       TimeSliceOptions slice_options;
       slice_options.filter = filter;

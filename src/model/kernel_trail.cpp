@@ -152,7 +152,7 @@ KernelTrail trail_at(const Series& series, const std::vector<TimeShare>& times,
   bool are_sums = false;
   for (const auto& [time, share] : times) {
     const Dataset slice =
-        slice_at_time(series, time, {TimeFilter::kTwoSteps, options.threads, options.stop});
+        slice_at_time(series, time, {.threads = options.threads, .stop = options.stop});
     KernelField field = make_kernel_field(slice, model, nullptr, options.stop);
     are_sums = times.size() > 1 && field.reconstruction() == Reconstruction::kSum;
     if (are_sums) {

@@ -37,11 +37,12 @@ struct SliceFields::Impl {
   TimeSliceOptions options;
   std::map<std::int64_t, LatticeField> fields;  // of the last slice's steps
 
-  // Coefficients of halves are those of their whole, which has to be made.
+  // Coefficients of halves are those of their whole, which has to be made; so is what alternates.
   bool takes_volumes() const {
-    return is_staggered() && !model.relevant &&
-           model.prefilter.value_or(!model.kernel ||
-                                    model.kernel->kind == LatticeKernelKind::kBSpline);
+    const bool is_prefiltered =
+        !model.relevant && model.prefilter.value_or(
+                               !model.kernel || model.kernel->kind == LatticeKernelKind::kBSpline);
+    return is_staggered() && (is_prefiltered || options.filter == TimeFilter::kFourSteps);
   }
 
   bool is_staggered() const { return series.source().kind() == SeriesKind::kStaggered; }

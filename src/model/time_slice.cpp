@@ -18,6 +18,7 @@
 #include "data/parallel.h"
 #include "data/scalar_visit.h"
 #include "model/movement.h"
+#include "model/staggered_halves.h"
 #include "model/step_blend.h"
 #include "ovoid/error.h"
 #include "ovoid/slices.h"
@@ -27,12 +28,6 @@ namespace {
 
 using model::Floats;
 using model::HeldStep;
-
-constexpr double kOwnSpacing = std::numbers::sqrt2;  // of the samples and steps of one half, T
-
-// The kernel over time, `distance` in units of T.
-double kernel_in_time(double distance) { return std::exp(-2 * distance * distance); }
-constexpr double kKernelSupport = 2;  // T
 
 void require_time(const std::vector<double>& times, double time) {
   if (!std::isfinite(time))
@@ -152,8 +147,8 @@ Floats along_axes(Floats in, const Index3& dims, int components, const AxisStenc
 std::array<Floats, 2> exact_halves(const std::array<Floats, 2>& sums,
                                    const std::array<double, 2>& weights, const Index3& dims,
                                    int components, const TimeSliceOptions& options) {
-  const double far = kernel_in_time(kOwnSpacing);
-  const double near = kernel_in_time(1 / kOwnSpacing);
+  const double far = model::kernel_along_axis(model::kOwnSpacing);
+  const double near = model::kernel_along_axis(1 / model::kOwnSpacing);
   const AxisStencil own{{far, 1, far}, -1};
   const AxisStencil of_other[2] = {{{near, near}, -1}, {{near, near}, 0}};
   const std::int64_t row = dims[0] * components;
@@ -187,61 +182,41 @@ std::array<Floats, 2> exact_halves(const std::array<Floats, 2>& sums,
   return out;
 }
 
-// Positions of a half's steps on the axis of its own numbers.
-double own_place(const std::vector<double>& times, int half, double time) {
-  const auto size = static_cast<std::int64_t>(times.size());
-  const std::int64_t count = (size - half + 1) / 2;
-  const auto at = [&](std::int64_t l) { return times[static_cast<std::size_t>(2 * l + half)]; };
-  if (count == 1 || time <= at(0)) return 0;
-  std::int64_t l = 0;
-  while (l + 2 < count && at(l + 1) <= time) ++l;
-  return std::min(static_cast<double>(l) + (time - at(l)) / (at(l + 1) - at(l)),
-                  static_cast<double>(count - 1));
-}
-
-// Weights that are not divided by their sum; `floor` is taken off each.
-std::vector<StepWeight> raw_weights(const std::vector<double>& times, int half, double time,
-                                    double reach, double floor) {
-  const auto size = static_cast<std::int64_t>(times.size());
-  const std::int64_t count = (size - half + 1) / 2;
-  const double place = own_place(times, half, time);
-  std::vector<StepWeight> weights;
-  for (std::int64_t l = 0; l < count; ++l) {
-    const double distance = kOwnSpacing * std::abs(static_cast<double>(l) - place);  // T
-    const double weight = distance <= reach ? kernel_in_time(distance) - floor : 0.0;
-    if (weight > 0) weights.push_back({2 * l + half, weight});
-  }
-  return weights;
-}
-
 Dataset staggered(const Series& series, double time, const TimeSliceOptions& options) {
   const std::vector<double>& times = series.times();
   std::array<std::vector<HeldStep>, 2> halves;
+  std::array<std::vector<HeldStep>, 2> moving;  // by four steps
   std::array<double, 2> sums{};
   for (int half = 0; half < 2; ++half) {
     const bool is_exact = options.filter == TimeFilter::kExact;
     const std::vector<StepWeight> weights =
-        is_exact ? raw_weights(times, half, time, kKernelSupport, 0)
+        is_exact ? model::kernel_weights_of_half(times, half, time, model::kKernelSupport, 0)
                  : weights_of_half(times, half, time, options.filter);
     const auto h = static_cast<std::size_t>(half);
     halves[h] = model::hold(series, weights, options.stop);
     for (const StepWeight& w : weights) sums[h] += w.weight;
+    if (options.filter == TimeFilter::kFourSteps)
+      moving[h] =
+          model::hold(series, model::moving_weights_of_half(times, half, time), options.stop);
   }
   const Dataset& first = *halves[0][0].dataset;
   const Index3 dims = first.lattice.dims;
   Dataset out = model::body_centred_of(first);
   for (const DataArray& like : first.arrays) {
     const std::int64_t count = like.num_tuples * like.num_components;
+    const auto each_whole = [&](const std::array<std::vector<HeldStep>, 2>& steps) {
+      std::array<Floats, 2> out_of;
+      for (std::size_t half = 0; half < 2; ++half) {
+        out_of[half] = model::new_floats(count);
+        model::blend(steps[half], like,
+                     model::whole(out_of[half].get(), options.threads, options.stop));
+      }
+      return out_of;
+    };
     Floats both;
     if (options.filter == TimeFilter::kExact) {
-      std::array<Floats, 2> over_time;
-      for (std::size_t half = 0; half < 2; ++half) {
-        over_time[half] = model::new_floats(count);
-        model::blend(halves[half], like,
-                     model::whole(over_time[half].get(), options.threads, options.stop));
-      }
-      both = interleaved(exact_halves(over_time, sums, dims, like.num_components, options), dims,
-                         like.num_components);
+      both = interleaved(exact_halves(each_whole(halves), sums, dims, like.num_components, options),
+                         dims, like.num_components);
     } else {
       both = model::new_floats(2 * count);
       for (int half = 0; half < 2; ++half) {
@@ -249,6 +224,9 @@ Dataset staggered(const Series& series, double time, const TimeSliceOptions& opt
                      model::every_second_layer(both.get(), count / dims[2], half, options.threads,
                                                options.stop));
       }
+      if (options.filter == TimeFilter::kFourSteps)
+        model::take_out_alternation(each_whole(moving), dims, like.num_components,
+                                    {options.threads, options.stop}, both.get());
     }
     out.arrays.push_back(model::float_array(like, both, 2 * like.num_tuples));
   }
@@ -270,10 +248,11 @@ std::vector<StepWeight> weights_of_steps(const std::vector<double>& times, doubl
 std::vector<StepWeight> weights_of_half(const std::vector<double>& times, int half, double time,
                                         TimeFilter filter) {
   require_time(times, time);
+  if (filter == TimeFilter::kFourSteps) return model::cubic_weights_of_half(times, half, time);
   const bool takes_two = filter == TimeFilter::kTwoSteps;
-  std::vector<StepWeight> weights =
-      raw_weights(times, half, time, takes_two ? kOwnSpacing : kKernelSupport,
-                  takes_two ? kernel_in_time(kOwnSpacing) : 0.0);
+  const double reach = takes_two ? model::kOwnSpacing : model::kKernelSupport;
+  const double floor = takes_two ? model::kernel_along_axis(model::kOwnSpacing) : 0.0;
+  std::vector<StepWeight> weights = model::kernel_weights_of_half(times, half, time, reach, floor);
   normalize(weights);
   return weights;
 }

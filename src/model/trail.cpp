@@ -171,7 +171,7 @@ Dataset trail_before(const Series& series, double time, const TrailOptions& opti
         weights_of_trail(series.times(), time, options.length, options.decay);
     if (weights.empty()) {
       Dataset slice =
-          slice_at_time(series, time, {TimeFilter::kTwoSteps, options.threads, options.stop});
+          slice_at_time(series, time, {.threads = options.threads, .stop = options.stop});
       require_lattice(slice);
       return slice;
     }

@@ -58,7 +58,7 @@ TEST(Lattices, InTimeAreCutAnywhere) {
   EXPECT_EQ(facts_of(again)["steps"], 6);
   for (const std::string& path : {halves, steps, again})
     expect_success({"render", path, "--time", "2.3", "-o", folder / "a.png", "--size", "40x30"});
-  for (const char* const filter : {"two-steps", "gaussian", "exact"}) {
+  for (const char* const filter : {"four-steps", "two-steps", "gaussian", "exact"}) {
     expect_success({"render", halves, "--time", "1.1", "--time-filter", filter, "-o",
                     folder / (std::string(filter) + ".npy"), "--size", "24x20"});
   }

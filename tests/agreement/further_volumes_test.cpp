@@ -88,7 +88,7 @@ constexpr Lies kAllWays[] = {Lies::kAlong, Lies::kReordered, Lies::kAskew};
 // Fails if steps of two volumes that lie on different lattices are not those of the same places, or
 // are mixed in other shares than the rule's.
 TEST(FurtherVolumesAgreement, ViewsAndClassifications) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   for (const Classification classification :
        {Classification::kRefined, Classification::kSampled, Classification::kPreintegrated}) {
     for (const bool is_parallel : {true, false}) {
@@ -101,7 +101,7 @@ TEST(FurtherVolumesAgreement, ViewsAndClassifications) {
 
 // Fails if colours that add are mixed in other shares, or by another opacity, than the rule's.
 TEST(FurtherVolumesAgreement, AddedColors) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   for (const Classification classification : {Classification::kRefined, Classification::kSampled}) {
     Scene scene = mixed_scene(false, Lies::kAskew);
     scene.options.classification = classification;
@@ -125,7 +125,7 @@ FurtherVolume blue_of(const LatticeField& first) {
 
 // Fails if a volume that only colours shows where the field does not, or hides or lights anything.
 TEST(FurtherVolumesAgreement, ColoredFields) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   for (const Sheets sheets : {Sheets::kImage, Sheets::kLattice}) {
     for (const Classification classification :
          {Classification::kRefined, Classification::kSampled}) {
@@ -178,7 +178,7 @@ TEST(FurtherVolumes, MaximaAddUp) {
 // Fails if a lattice that lies along the base plane is summed by wrong rows, or one that does not
 // is taken for one that does.
 TEST(FurtherVolumesAgreement, LatticeSheets) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   for (const Lies how : kAllWays) {
     for (const bool is_parallel : {true, false}) {
       Scene scene = mixed_scene(is_parallel, how);
@@ -191,7 +191,7 @@ TEST(FurtherVolumesAgreement, LatticeSheets) {
 // Fails if the window of the base plane leaves out what only the second volume has, or if samples
 // are farther apart than its own.
 TEST(FurtherVolumesAgreement, LatticeSheetsOfTheFinerVolume) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   Scene scene = mixed_scene(false, Lies::kAlong);
   const LatticeField coarse = scene.options.further->front().field;
   scene.options.further = further_volumes({{scene.lattice(), scene.look}});
@@ -204,7 +204,7 @@ TEST(FurtherVolumesAgreement, LatticeSheetsOfTheFinerVolume) {
 // Fails if blocks of two volumes get out of step: other margins, planes, sheets that are finished
 // late.
 TEST(FurtherVolumesAgreement, DifferencesPlanesAndLattices) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   Scene scene = mixed_scene(false, Lies::kAskew);
   scene.options.gradient = GradientMethod::kCentral;
   expect_agreement(scene, "central differences");
@@ -231,7 +231,7 @@ TEST(FurtherVolumesAgreement, DifferencesPlanesAndLattices) {
 
 // Fails if the two come to a pixel's stops at different times.
 TEST(FurtherVolumesAgreement, DepthLimits) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   for (const Classification classification : {Classification::kRefined, Classification::kSampled}) {
     Scene scene = mixed_scene(false, Lies::kAskew);
     scene.options.classification = classification;
@@ -242,7 +242,7 @@ TEST(FurtherVolumesAgreement, DepthLimits) {
 
 // Fails if what one volume absorbs does not darken the other.
 TEST(FurtherVolumesAgreement, LightFromACoarseVolume) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   Scene scene = mixed_scene(true, Lies::kAskew);
   scene.look.occlusion = 0.8;
   scene.look.shadows = 0.7;
@@ -256,7 +256,7 @@ TEST(FurtherVolumesAgreement, LightFromACoarseVolume) {
 
 // Fails if a look that is as steep as a step, or opaque, is drawn in other steps in company.
 TEST(FurtherVolumesAgreement, SteepLooks) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   Scene scene = mixed_scene(true, Lies::kAskew);
   scene.options.width = 48;
   scene.options.height = 40;
@@ -270,7 +270,7 @@ TEST(FurtherVolumesAgreement, SteepLooks) {
 
 // Of extinctions that add it makes no difference who is first.
 TEST(FurtherVolumes, DoNotDependOnTheirOrder) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   for (const Sheets sheets : {Sheets::kImage, Sheets::kAuto}) {
     Scene scene = mixed_scene(false, Lies::kAskew);
     scene.options.sheets = sheets;
@@ -286,7 +286,7 @@ TEST(FurtherVolumes, DoNotDependOnTheirOrder) {
 // A volume that is drawn twice, each time with half of its extinction, is the volume: but for the
 // number of steps, which half an opacity needs fewer of.
 TEST(FurtherVolumes, TwoHalvesMakeAWhole) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   Scene whole = small_scene(Mode::kComposite, false);
   whole.options.sampling_distance = 0.05;
   Scene halves = whole;
@@ -300,7 +300,7 @@ TEST(FurtherVolumes, TwoHalvesMakeAWhole) {
 
 // Where one volume alone shows something, the picture is that volume's own.
 TEST(FurtherVolumes, AloneAreAsWithoutTheOthers) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   Scene scene = mixed_scene(false, Lies::kAskew);
   scene.options.sampling_distance = 0.4;
   // The other lies elsewhere in the world, and shows a part of itself at the picture's border.
@@ -351,7 +351,7 @@ TEST(FurtherVolumes, ShortcutsAndThreadsChangeNothing) {
 
 // A picture of large pixels takes coarser fields of both.
 TEST(FurtherVolumes, HaveLevels) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("draws one volume");
   const Index3 dims{80, 80, 80};
   Scene scene;
   scene.field = make_field(dims, shells(dims));

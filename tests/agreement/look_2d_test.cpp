@@ -55,7 +55,7 @@ Scene scene_by_gradient(bool is_parallel) {
 
 // Fails if the place in the table is off along either axis, or the gradient is another's.
 TEST(Look2D, AgreesOnEveryVolume) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("has no 2-D transfer function");
   for (const TestVolume& volume : test_volumes()) {
     if (volume.name == "one sample") continue;  // has no gradient but rounding
     for (const bool is_parallel : {true, false}) {
@@ -73,7 +73,7 @@ TEST(Look2D, AgreesOnEveryVolume) {
 
 // Fails if one of the ways to a sample's gradient misses the look.
 TEST(Look2D, AgreesWithOtherOptions) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("has no 2-D transfer function");
   const Vec3 normal(-1.0, 0.6, 0.5);
   const std::pair<const char*, void (*)(Scene&)> kChanges[] = {
       {"no light", [](Scene& s) { s.look.shade = false; }},
@@ -105,7 +105,7 @@ TEST(Look2D, AgreesWithOtherOptions) {
 }
 
 TEST(Look2D, AgreesOnSetsOfKernels) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("has no 2-D transfer function");
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   for (const bool is_parallel : {true, false}) {
     Scene scene{field, askew_camera(field, is_parallel, 1.2), look_by_gradient(field),
@@ -118,7 +118,7 @@ TEST(Look2D, AgreesOnSetsOfKernels) {
 
 // Fails if volumes that are mixed take each other's function.
 TEST(Look2D, AgreesWithAFurtherVolume) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("has no 2-D transfer function");
   Scene scene = scene_by_gradient(true);
   Look plain = semi_transparent_look(scene.field.value_range().lo, scene.field.value_range().hi);
   plain.occlusion = plain.shadows = 0;
@@ -134,7 +134,7 @@ TEST(Look2D, AgreesWithAFurtherVolume) {
 
 // Fails if something is left out that only some gradients show.
 TEST(Look2D, SkippingChangesNoByte) {
-  OVOID_NIGHTLY_ON_DEVICE();
+  OVOID_NOT_ON_DEVICE("has no 2-D transfer function");
   for (const bool is_refined : {true, false}) {
     Scene scene = scene_by_gradient(false);
     const ValueRange range = scene.field.value_range();

@@ -2,12 +2,15 @@
 // Magnified lattices: sheets from nodes against sheets worked out pixel by pixel.
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
 #include <random>
 
+#include "ovoid/error.h"
 #include "ovoid/model.h"
 #include "ovoid/sampler.h"
 #include "support/agreement.h"
@@ -99,7 +102,9 @@ TEST(PostConvolution, AgreesOnWhatIsNoSingleSample) {
     std::printf("[agreement ] %-50s %s\n", what, difference.to_string().c_str());
     EXPECT_GE(difference.psnr_db, view::kNodeDecibels) << what;
     EXPECT_GT(difference.num_covered, 300) << what;
-    if (!is_on_graphics_processor()) {
+    // Software drivers take nodes where they are two pixels apart; an isosurface's are closer here.
+    const bool is_isosurface = scene.look.mode == Mode::kIsosurface;
+    if (!is_on_graphics_processor() && !(is_on_device() && is_isosurface)) {
       EXPECT_NE(fast.profile.samples_reconstructed, exact.profile.samples_reconstructed)
           << what << ": no sheet came from nodes";
     }
@@ -404,11 +409,18 @@ TEST(PostConvolution, ExtremesAgree) {
                               at.height);
       for (const PostConvolution how : {PostConvolution::kAuto, PostConvolution::kCubic}) {
         if (is_published(how)) scene.options.classification = Classification::kSampled;
-        const Image exact = drawn(scene, PostConvolution::kOff).image;
-        const ImageDifference difference = compare(drawn(scene, how).image, exact);
-        EXPECT_GE(difference.psnr_db, how == PostConvolution::kAuto ? view::kNodeDecibels : 30)
-            << at.pixels << " pixels per spacing, " << at.width << " x " << at.height << ", "
-            << difference.to_string();
+        SCOPED_TRACE(fmt::format("{} pixels per spacing, {} x {}", at.pixels, at.width, at.height));
+        try {
+          const Image exact = drawn(scene, PostConvolution::kOff).image;
+          const ImageDifference difference = compare(drawn(scene, how).image, exact);
+          EXPECT_GE(difference.psnr_db, how == PostConvolution::kAuto ? view::kNodeDecibels : 30)
+              << difference.to_string();
+        } catch (const Error& error) {
+          // Software drivers refuse more kernels for a sample than they can sum in time.
+          if (error.code() != ErrorCode::kUnsupported || !is_on_device() ||
+              is_on_graphics_processor())
+            ADD_FAILURE() << error.what();
+        }
       }
     }
   }

@@ -47,3 +47,7 @@ inline bool is_on_device() {
 #define OVOID_NIGHTLY_ON_DEVICE()                                    \
   if (::ovoid::test::is_on_device() && !::ovoid::test::is_nightly()) \
   GTEST_SKIP() << "on a device in make nightly alone (OVOID_TEST_NIGHTLY=1)"
+
+// Of what backend vulkan refuses.
+#define OVOID_NOT_ON_DEVICE(why) \
+  if (::ovoid::test::is_on_device()) GTEST_SKIP() << "backend vulkan " why

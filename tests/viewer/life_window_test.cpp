@@ -139,7 +139,8 @@ TEST_F(WindowLife, MemoryStaysFlatOverManyFrames) {
 // Ten thousand, with the panel: OVOID_TEST_NIGHTLY=1 viewer_tests --gtest_filter=*TenThousand*.
 TEST_F(WindowLife, MemoryStaysFlatOverTenThousandFrames) {
   if (!test::is_nightly()) GTEST_SKIP() << "in make nightly alone (OVOID_TEST_NIGHTLY=1)";
-  expect_flat_memory(view({make_head(), "--size", "320x240"}, orbit_script(100)));
+  constexpr double kTenMinutes = 600;
+  expect_flat_memory(view({make_head(), "--size", "320x240"}, orbit_script(100), kTenMinutes));
 }
 
 }  // namespace life_window_test

@@ -142,17 +142,19 @@ class OnScreen : public ::testing::Test {
   }
 
   // Replays the script; "$/" in it stands for the test's folder.
-  Viewed replay(const Words& words, std::string script) const {
+  Viewed replay(const Words& words, std::string script,
+                double limit_seconds = kLimitSeconds) const {
     for (std::size_t at = 0; (at = script.find("$/", at)) != std::string::npos;)
       script.replace(at, 2, folder_ / "");
     Viewed viewed;
-    viewed.take(Program(words_of(words, script), OVOID_VIEWER_PROGRAM).finish(kLimitSeconds));
+    viewed.take(Program(words_of(words, script), OVOID_VIEWER_PROGRAM).finish(limit_seconds));
     return viewed;
   }
 
   // The same of a script that must come to its end without a complaint.
-  Viewed view(const Words& words, const std::string& script) const {
-    Viewed viewed = replay(words, script);
+  Viewed view(const Words& words, const std::string& script,
+              double limit_seconds = kLimitSeconds) const {
+    Viewed viewed = replay(words, script, limit_seconds);
     EXPECT_EQ(viewed.outcome.exit_code, 0);
     EXPECT_EQ(viewed.outcome.err, "");
     return viewed;

@@ -42,6 +42,18 @@ constexpr const char* kPictures = "slices of PNG, JPEG or TIFF";
 constexpr const char* kFrames = "pictures of its frames, by 'ffmpeg -i FILE frame%04d.png'";
 constexpr const char* kUnpacked = "what is in it, unpacked";
 
+// Those that more than their endings and first bytes tell of.
+UnreadFormat analyze() {
+  return {"an ANALYZE 7.5 header without NIfTI's magic", "NIfTI, by 'fslchfiletype NIFTI_GZ A'"};
+}
+UnreadFormat amrex() {
+  return {"an AMReX plotfile",
+          "VTK's files, by ParaView or yt",
+          {},
+          {{"HyperCLaw-V"}, {"NavierStokes-V"}}};
+}
+UnreadFormat openfoam() { return {"an OpenFOAM case", "what foamToVTK makes of it", {".foam"}}; }
+
 // Of medicine.
 std::vector<UnreadFormat> medical_formats() {
   return {
@@ -77,7 +89,6 @@ std::vector<UnreadFormat> medical_formats() {
        "TIFF or NRRD, by Fiji or ITK",
        {".isq", ".aim"},
        {{"CTDATA-HEADER_V1"}, {"AIMDATA_V030"}}},
-      {"an ANALYZE 7.5 header without NIfTI's magic", "NIfTI, by 'fslchfiletype NIFTI_GZ A'"},
   };
 }
 
@@ -144,11 +155,8 @@ std::vector<UnreadFormat> science_formats() {
        "raw samples, by the V3 library's pvm2raw",
        {".pvm"},
        {{"PVM\n"}, {"PVM2\n"}, {"PVM3\n"}, {"DDS v3"}}},
-      {"an AMReX plotfile",
-       "VTK's files, by ParaView or yt",
-       {},
-       {{"HyperCLaw-V"}, {"NavierStokes-V"}}},
-      {"an OpenFOAM case", "what foamToVTK makes of it", {".foam"}},
+      amrex(),
+      openfoam(),
   };
 }
 
@@ -253,11 +261,7 @@ std::string unread_format_of(const ByteSource& source, std::string_view start) {
     if (begins_like(format, start) || begins_like(format, unpacked)) return told(format);
   for (const UnreadFormat& format : unread_formats())
     if (is_called_like(format, source.name())) return told(format);
-  if (looks_like_analyze(start)) {
-    for (const UnreadFormat& format : unread_formats())
-      if (std::string_view(format.name).find("ANALYZE") != std::string_view::npos)
-        return told(format);
-  }
+  if (looks_like_analyze(start)) return told(analyze());
   return {};
 }
 
@@ -269,33 +273,23 @@ std::string unread_dialect_of(const std::string& path) {
 
 std::string unread_folder_of(const std::string& path) {
   struct Marker {
-    const char* file;
-    const char* text;  // that it begins with; empty: any
-    const char* told;
+    const char* file;  // that is in the folder
+    UnreadFormat format;
+    bool has_magic = false;  // the file begins with one of the format's
   };
-  static constexpr Marker kMarkers[] = {
-      {"Header", "HyperCLaw-V",
-       "is an AMReX plotfile, which is not read: expected VTK's files, by "
-       "ParaView or yt"},
-      {"Header", "NavierStokes-V",
-       "is an AMReX plotfile, which is not read: expected VTK's files, "
-       "by ParaView or yt"},
-      {"system/controlDict", "",
-       "is an OpenFOAM case, which is not read: expected what foamToVTK "
-       "makes of it"},
-      {"2dseq", "",
-       "holds an image of Bruker ParaVision, which is not read: expected NIfTI, by "
-       "brkraw or dcm2niix of its DICOM export"},
-      {"acqp", "",
-       "is a scan of Bruker ParaVision, which is not read: expected NIfTI, by brkraw or "
-       "dcm2niix of its DICOM export"},
-      {"attributes.json", "", "is N5, which is not read: expected Zarr"}};
+  static const Marker kMarkers[] = {
+      {"Header", amrex(), true},
+      {"system/controlDict", openfoam()},
+      {"2dseq",
+       {"an image of Bruker ParaVision", "NIfTI, by brkraw or dcm2niix of its DICOM export"}},
+      {"acqp", {"a scan of Bruker ParaVision", "NIfTI, by brkraw or dcm2niix of its DICOM export"}},
+      {"attributes.json", {"N5", "Zarr"}}};
   for (const Marker& marker : kMarkers) {
     const std::filesystem::path file = std::filesystem::path(path) / marker.file;
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) continue;
-    const std::string_view text = marker.text;
-    if (text.empty() || open_file(file.string())->text(0, 32).starts_with(text)) return marker.told;
+    if (!marker.has_magic || begins_like(marker.format, open_file(file.string())->text(0, 32)))
+      return told(marker.format);
   }
   return {};
 }

@@ -30,49 +30,11 @@
 #include "data/cell_builder.h"
 #include "io/core/samples.h"
 #include "io/foreign/vtk_reading.h"
+#include "io/vtk/vtk_cells.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
 namespace {
-
-CellType cell_type_of(int vtk_type) {
-  switch (vtk_type) {
-    case VTK_VERTEX:
-    case VTK_POLY_VERTEX:
-      return CellType::kVertex;
-    case VTK_LINE:
-      return CellType::kLine;
-    case VTK_POLY_LINE:
-      return CellType::kPolyLine;
-    case VTK_TRIANGLE:
-      return CellType::kTriangle;
-    case VTK_PIXEL:  // its corners are put into a quad's order
-    case VTK_QUAD:
-      return CellType::kQuad;
-    case VTK_TETRA:
-      return CellType::kTetrahedron;
-    case VTK_VOXEL:
-      return CellType::kVoxel;
-    case VTK_HEXAHEDRON:
-      return CellType::kHexahedron;
-    case VTK_WEDGE:
-      return CellType::kWedge;
-    case VTK_PYRAMID:
-      return CellType::kPyramid;
-    case VTK_QUADRATIC_TETRA:
-      return CellType::kQuadraticTetrahedron;
-    case VTK_QUADRATIC_HEXAHEDRON:
-      return CellType::kQuadraticHexahedron;
-    case VTK_QUADRATIC_WEDGE:
-      return CellType::kQuadraticWedge;
-    case VTK_QUADRATIC_PYRAMID:
-      return CellType::kQuadraticPyramid;
-    case VTK_TRIQUADRATIC_HEXAHEDRON:
-      return CellType::kTriQuadraticHexahedron;
-    default:
-      return CellType::kOther;
-  }
-}
 
 DataArray positions_of_points(const std::string& source, vtkPoints* points) {
   vtkDataArray* const data = points != nullptr ? points->GetData() : nullptr;
@@ -163,7 +125,7 @@ class CellReader {
       if (types == nullptr && own_type == VTK_POLYGON && end - begin == 3) own_type = VTK_TRIANGLE;
       if (types == nullptr && own_type == VTK_POLYGON && end - begin == 4) own_type = VTK_QUAD;
       cells_.offsets.push_back(first + end);
-      cells_.types.push_back(cell_type_of(own_type));
+      cells_.types.push_back(cell_type_of_vtk(own_type));
       if (own_type == VTK_PIXEL && end - begin == 4) {
         const auto corner = cells_.connectivity.begin() + first + begin;
         std::swap(corner[2], corner[3]);

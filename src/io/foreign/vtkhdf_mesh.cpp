@@ -15,6 +15,7 @@
 #include "data/cell_builder.h"
 #include "io/core/point_arrays.h"
 #include "io/foreign/vtkhdf_arrays.h"
+#include "io/vtk/vtk_cells.h"
 #include "ovoid/error.h"
 
 namespace ovoid::io {
@@ -22,34 +23,6 @@ namespace {
 
 // VTK's numbers of kinds of cells.
 constexpr int kPolyVertex = 2, kPolyLine = 4, kStrip = 6, kPolygon = 7, kPixel = 8;
-
-CellType cell_type_numbered(std::int64_t number) {
-  struct Known {
-    int number;
-    CellType type;
-  };
-  static constexpr Known kKnown[] = {{1, CellType::kVertex},
-                                     {kPolyVertex, CellType::kVertex},
-                                     {3, CellType::kLine},
-                                     {kPolyLine, CellType::kPolyLine},
-                                     {5, CellType::kTriangle},
-                                     {kPixel, CellType::kQuad},
-                                     {9, CellType::kQuad},
-                                     {10, CellType::kTetrahedron},
-                                     {11, CellType::kVoxel},
-                                     {12, CellType::kHexahedron},
-                                     {13, CellType::kWedge},
-                                     {14, CellType::kPyramid},
-                                     {24, CellType::kQuadraticTetrahedron},
-                                     {25, CellType::kQuadraticHexahedron},
-                                     {26, CellType::kQuadraticWedge},
-                                     {27, CellType::kQuadraticPyramid},
-                                     {29, CellType::kTriQuadraticHexahedron}};
-  const auto* const found =
-      std::find_if(std::begin(kKnown), std::end(kKnown),
-                   [&](const Known& known) { return known.number == number; });
-  return found == std::end(kKnown) ? CellType::kOther : found->type;
-}
 
 // Cells of one kind of polygonal data, or all of an unstructured grid.
 struct VtkHdfTopology {
@@ -220,7 +193,7 @@ class VtkHdfMeshReader {
       if (types.empty() && type == kPolygon && size == 4) type = 9;
       if (type == kPixel && size == 4)
         std::swap(*(cells.connectivity.end() - 1), *(cells.connectivity.end() - 2));
-      cells.end_cell(cell_type_numbered(type));
+      cells.end_cell(cell_type_of_vtk(type));
     }
   }
 

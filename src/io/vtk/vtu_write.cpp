@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "io/core/samples.h"
+#include "io/vtk/vtk_cells.h"
 #include "io/vtk/xml_array_file.h"
 #include "ovoid/error.h"
 
@@ -16,50 +17,6 @@ namespace {
 
 [[noreturn]] void refuse_mesh(const std::string& message) {
   throw Error(ErrorCode::kInvalidArgument, message);
-}
-
-// A type's number in VTK's files, and how many nodes its cells have there; 0: any.
-struct VtkCell {
-  std::uint8_t code = 41;  // a convex point set
-  int num_nodes = 0;
-};
-
-VtkCell vtk_cell(CellType type) {
-  switch (type) {
-    case CellType::kVertex:
-      return {1, 1};
-    case CellType::kLine:
-      return {3, 2};
-    case CellType::kTriangle:
-      return {5, 3};
-    case CellType::kQuad:
-      return {9, 4};
-    case CellType::kTetrahedron:
-      return {10, 4};
-    case CellType::kVoxel:
-      return {11, 8};
-    case CellType::kHexahedron:
-      return {12, 8};
-    case CellType::kWedge:
-      return {13, 6};
-    case CellType::kPyramid:
-      return {14, 5};
-    case CellType::kQuadraticTetrahedron:
-      return {24, 10};
-    case CellType::kQuadraticHexahedron:
-      return {25, 20};
-    case CellType::kQuadraticWedge:
-      return {26, 15};
-    case CellType::kQuadraticPyramid:
-      return {27, 13};
-    case CellType::kTriQuadraticHexahedron:
-      return {29, 27};
-    case CellType::kPolyLine:
-      return {4, 0};
-    case CellType::kOther:
-      break;
-  }
-  return {};
 }
 
 // The cells as VTK's three columns.
@@ -83,7 +40,7 @@ VtkCells hexahedra(const Index3& dims) {
               {node(i, j, up), node(i + 1, j, up), node(i + 1, j + 1, up), node(i, j + 1, up)});
         }
         cells.offsets.push_back(static_cast<std::int64_t>(cells.connectivity.size()));
-        cells.types.push_back(vtk_cell(CellType::kHexahedron).code);
+        cells.types.push_back(vtk_cell(CellType::kHexahedron).number);
       }
     }
   }
@@ -103,7 +60,7 @@ VtkCells explicit_cells(const Cells& from, std::int64_t num_nodes) {
                               from.connectivity.size()));
     const VtkCell type = vtk_cell(from.types[c]);
     const bool fits = type.num_nodes == 0 || end - begin == type.num_nodes;
-    cells.types.push_back(fits ? type.code : VtkCell{}.code);
+    cells.types.push_back(fits ? type.number : VtkCell{}.number);
     cells.offsets.push_back(end - (num_cells > 0 ? from.offsets[0] : 0));
     for (std::int64_t n = begin; n < end; ++n) {
       const std::uint32_t node = from.connectivity[static_cast<std::size_t>(n)];

@@ -72,7 +72,8 @@ const Table<DataFlags>& data_settings() {
       {"--block", word("NAME"), &D::block,
        "which of several volumes, such as a DICOM series (default: the largest)"},
       {"--axis-order", word("ORDER"), at(&D::raw, &RawOptions::axis_order),
-       "NPY, Zarr, HDF5: the array's axes, the slowest first: letters of t, c (channels), z, y, x, "
+       "NPY, NPZ, TIFF, Zarr, netCDF, HDF5: the array's axes, the slowest first: letters of t, c "
+       "(channels), z, y, x, "
        "such as czyx (default: the format's rule)"},
       {"--step", integer<std::int64_t>("N", 0, 1'000'000'000), &D::step,
        "which time step, from 0 (default: the first that varies)", one_step,

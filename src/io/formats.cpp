@@ -362,6 +362,13 @@ std::string alternatives(const std::vector<std::string>& words) {
                           source, format, given));
 }
 
+[[noreturn]] void refuse_spacing(const std::string& source, std::string_view format) {
+  throw Error(ErrorCode::kInvalidArgument,
+              fmt::format("{}: the format {} states its own spacing: one can be given only where "
+                          "the format states none",
+                          source, format));
+}
+
 [[noreturn]] void refuse_axis_order(const std::string& source, std::string_view format) {
   throw Error(ErrorCode::kInvalidArgument,
               fmt::format("{}: is {}: an axis order can be given for NPY, NPZ, TIFF, Zarr, "
@@ -476,12 +483,12 @@ void refuse_unknown(const ByteSource& source) {
 void refuse_raw_options(const std::string& source, const Format& format, const RawOptions& raw) {
   if (!raw.axis_order.empty() && format.says_axes) refuse_axis_order(source, format.name);
   if (!format.says_layout) return;
-  const char* const given = raw.dims                             ? "dimensions"
-                            : raw.type                           ? "a type"
-                            : raw.big_endian                     ? "a byte order"
-                            : raw.spacing && format.says_spacing ? "a spacing"
-                                                                 : nullptr;
+  const char* const given = raw.dims         ? "dimensions"
+                            : raw.type       ? "a type"
+                            : raw.big_endian ? "a byte order"
+                                             : nullptr;
   if (given != nullptr) refuse_given(source, format.name, given);
+  if (raw.spacing && format.says_spacing) refuse_spacing(source, format.name);
 }
 
 Dataset read_as(const Format& format, const ByteSource& source, const ReadOptions& options,
@@ -503,8 +510,7 @@ Dataset read_as(const Format& format, const ByteSource& source, const ReadOption
   if (!options.raw.axis_order.empty() && dataset.format != kHdf5Grid)
     refuse_axis_order(source.name(), format.name);
   if (options.raw.spacing) {
-    if (!dataset.format.starts_with(kHdf5Grid))
-      refuse_given(source.name(), format.name, "a spacing");
+    if (!dataset.format.starts_with(kHdf5Grid)) refuse_spacing(source.name(), format.name);
     dataset.lattice.world_from_index.linear() = options.raw.spacing->asDiagonal();
     check_geometry("spacing", dataset.lattice.world_from_index);
   }

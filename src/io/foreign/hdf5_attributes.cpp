@@ -140,5 +140,23 @@ std::optional<Hdf5Number> hdf5_number(hid_t object, const char* name) {
   return number;
 }
 
+CfAttributes hdf5_cf_attributes(hid_t object) {
+  constexpr std::size_t kMost = 64;  // texts or numbers of one
+  CfAttributes attributes;
+  for (const char* const name : kCfAttributes) {
+    if (!has_hdf5_attribute(object, name)) continue;
+    CfAttribute attribute{.name = name};
+    if (const auto texts = hdf5_texts(object, name, kMost); !texts.empty())
+      attribute.text = texts[0];
+    if (attribute.text.empty()) {
+      attribute.numbers = hdf5_numbers(object, name, kMost);
+      const Hdf5Handle type(H5Aget_type(open_attribute(object, name).get()), H5Tclose);
+      if (const auto known = hdf5_type_of(type.get())) attribute.type = known->type;
+    }
+    attributes.push_back(std::move(attribute));
+  }
+  return attributes;
+}
+
 }  // namespace ovoid::io
 #endif

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "io/core/cf_conventions.h"
 #include "ovoid/lattice.h"
 
 namespace ovoid::io {
@@ -37,5 +38,8 @@ struct Hdf5Number {
   std::vector<std::byte> bytes;  // native byte order
 };
 std::optional<Hdf5Number> hdf5_number(hid_t object, const char* name);
+
+// Those of kCfAttributes that it has; of several texts the first.
+CfAttributes hdf5_cf_attributes(hid_t object);
 
 }  // namespace ovoid::io

@@ -35,27 +35,9 @@
 namespace ovoid::io {
 namespace {
 
-constexpr std::size_t kMostNumbers = 64;  // of an attribute
-
 // What netCDF's library puts before the name of a variable that is called like a dimension that it
 // does not lie along.
 constexpr std::string_view kNoCoordinate = "_nc4_non_coord_";
-
-// Text of an attribute; of several the first.
-std::string text_of(hid_t object, const char* name) {
-  const std::vector<std::string> texts = hdf5_texts(object, name, kMostNumbers);
-  return texts.empty() ? "" : texts[0];
-}
-
-CfAttribute attribute_of(hid_t object, const char* name) {
-  CfAttribute attribute{.name = name, .text = text_of(object, name)};
-  if (!attribute.text.empty()) return attribute;
-  attribute.numbers = hdf5_numbers(object, name, kMostNumbers);
-  const Hdf5Handle stored(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
-  const Hdf5Handle type(H5Aget_type(stored.get()), H5Tclose);
-  if (const auto known = hdf5_type_of(type.get())) attribute.type = known->type;
-  return attribute;
-}
 
 using Address = std::pair<unsigned long, haddr_t>;
 
@@ -82,7 +64,9 @@ herr_t take_scale(hid_t /*dataset*/, unsigned /*axis*/, hid_t scale, void* to) {
 
 // Is it there for its length alone?
 bool is_dimension_alone(hid_t scale) {
-  return text_of(scale, "NAME").starts_with("This is a netCDF dimension but not a netCDF variable");
+  return hdf5_text(scale, "NAME")
+      .value_or("")
+      .starts_with("This is a netCDF dimension but not a netCDF variable");
 }
 
 class Hdf5CfFile final : public CfFile {
@@ -181,9 +165,7 @@ void Hdf5CfFile::add(const Hdf5Dataset& dataset) {
   if (is_scale && is_dimension_alone(stored.get())) return;
   if (!variable.type && dataset.type_text != "text" && dataset.type_text != "references")
     variable.unread = dataset.type_text;
-  for (const char* const name : kCfAttributes)
-    if (has_hdf5_attribute(stored.get(), name))
-      variable.attributes.push_back(attribute_of(stored.get(), name));
+  variable.attributes = hdf5_cf_attributes(stored.get());
   description_.variables.push_back(std::move(variable));
   stored_.push_back(&dataset);
 }

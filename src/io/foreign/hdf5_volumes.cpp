@@ -30,7 +30,9 @@ struct OpenVolume {
   std::shared_ptr<const Hdf5Handle> stored;
   Hdf5Extent extent;
   std::vector<std::int64_t> sizes;  // that are read
+  CfAttributes attributes{};
 
+  ScalarType type() const { return cf_type(attributes, extent.type.type); }
   bool is_whole() const noexcept { return sizes == extent.dims; }
 };
 
@@ -45,6 +47,7 @@ OpenVolume opened(const Hdf5File& file, const Hdf5Volume& volume) {
   if (!open.stored->is_open()) throw Error(ErrorCode::kFileFormat, where + " is broken");
   checked_num_bytes(where, dataset.dims, dataset.type->type);
   check_hdf5_storage(open.stored->get(), open.extent, file.source());
+  open.attributes = hdf5_cf_attributes(open.stored->get());
   return open;
 }
 
@@ -76,19 +79,7 @@ void tell(const OpenVolume& open, std::vector<std::string>& notes) {
 }
 
 void apply_cf(const OpenVolume& open, DataArray& array, std::vector<std::string>& notes) {
-  const hid_t stored = open.stored->get();
-  CfNumbers numbers;
-  for (const char* const name : {"_FillValue", "missing_value"}) {
-    const std::vector<double> missing = hdf5_numbers(stored, name, 1);
-    numbers.missing.insert(numbers.missing.end(), missing.begin(), missing.end());
-  }
-  const auto number = [&](const char* name) -> std::optional<double> {
-    const std::vector<double> values = hdf5_numbers(stored, name, 1);
-    return values.size() == 1 ? std::optional(values[0]) : std::nullopt;
-  };
-  numbers.scale_factor = number("scale_factor");
-  numbers.add_offset = number("add_offset");
-  numbers.units = hdf5_text(stored, "units").value_or("");
+  const CfNumbers numbers = cf_numbers(open.attributes, open.type(), CfFill::kNone);
   apply_cf_numbers(open.extent.where, numbers, array, notes);
 }
 
@@ -102,7 +93,7 @@ void add_plain(const Hdf5File& file, const OpenVolume& open, const ReadOptions& 
                ReadProgress& progress, Dataset& dataset) {
   const Hdf5Extent& extent = open.extent;
   DataArray array{open.volume->name,
-                  extent.type.type,
+                  open.type(),
                   extent.dims.size() == 4 ? static_cast<int>(extent.dims[3]) : 1,
                   num_samples(dataset.lattice.dims),
                   "",
@@ -151,6 +142,7 @@ ChunkedArray chunked(const OpenVolume& open, Hdf5Reading& reading) {
   array.shape = open.sizes;
   array.chunk = boxes_of(open);
   read_chunks_of_hdf5(open.stored, open.extent, reading, array);
+  array.type = open.type();
   check_chunked(array);
   return array;
 }

@@ -438,8 +438,8 @@ TEST(Hdf5Grid, OneIsChosen) {
   options.array.clear();
   options.raw.spacing = Vec3(1, 1, 1);
   EXPECT_EQ(hdf5_error(path, options),
-            "invalid-argument: F: the format HDF5 states its own layout: a spacing can be given "
-            "for raw files only");
+            "invalid-argument: F: the format HDF5 states its own spacing: one can be given only "
+            "where the format states none");
 }
 
 TEST(Hdf5Points, ClaimsThatTheFileCannotHold) {

@@ -46,6 +46,24 @@ TEST_F(Hdf5Types, Booleans) {
   EXPECT_THAT(dataset.notes, ElementsAre(HasSubstr("'/mask': booleans become uint8")));
 }
 
+// Of arrays without coordinates, too, which no reader of CF's asks.
+TEST_F(Hdf5Types, NumbersAreWhatCfAttributesSay) {
+  std::string bytes;
+  for (int i = 0; i < 24; ++i) bytes += static_cast<char>(110 + i);  // -128 from the 19th on
+  TestHdf5(path)
+      .raw("/a", kSizes, bytes, H5T_STD_I8LE)
+      .text("/a", "_Unsigned", "true")
+      .numbers("/a", "valid_range", {112, 130})
+      .number("/a", "_FillValue", 120);
+  const std::vector<float> values = values_of<float>(read().array("a"));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto number = static_cast<float>(110 + i);
+    const bool is_missing = number < 112 || number > 130 || number == 120;
+    EXPECT_EQ(std::isnan(values[i]), is_missing) << i;
+    if (!is_missing) EXPECT_EQ(values[i], number);
+  }
+}
+
 TEST_F(Hdf5Types, EnumerationsAndBitFieldsAreTheirNumbers) {
   const Hdf5Handle type(H5Tenum_create(H5T_STD_I16BE), H5Tclose);
   const std::int16_t swapped = 0x0300;  // 3

@@ -285,8 +285,8 @@ class NpzVolumeReader {
       used.push_back(places_[kOrigin].first);
     }
     if (used.empty()) return {};
-    return fmt::format("{} place the samples, as numbers along x, y and z; --spacing says others",
-                       data::names_text(used));
+    return fmt::format("{} {} the samples, as numbers along x, y and z; --spacing says others",
+                       data::names_text(used), used.size() == 1 ? "places" : "place");
   }
 
   const ByteSource& source_;

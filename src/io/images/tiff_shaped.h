@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tifffile's description of the arrays that it writes [tifffile]: a JSON object with their shape,
+// tifffile's description of the arrays that it writes: a JSON object with their shape,
 // their axes and what its caller has added: spacing, unit, times.
 #pragma once
 

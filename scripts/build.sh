@@ -63,4 +63,10 @@ memory=$(awk '/^MemAvailable/ {print int($2 / 1500000)}' /proc/meminfo 2>/dev/nu
 
 targets=()
 (($# == 0)) || targets=(--target "$@")
-cmake --build "$folder" --parallel "$jobs" "${targets[@]}"
+status=0
+cmake --build "$folder" --parallel "$jobs" "${targets[@]}" || status=$?
+if ((status)); then  # compilers say it in the midst of much else
+  free=$(df --output=avail -m "$folder" 2>/dev/null | tail -n 1 | tr -d ' ')
+  ((${free:-1000} >= 100)) || echo "build: the disk that $folder is on is full ($free MB left): a build takes some 1000 MB; call it again when there is room" >&2
+fi
+exit "$status"

@@ -330,6 +330,13 @@ SceneAtTime make_scenery(const Series& series, const Chosen& chosen, const Flags
   return scenery;
 }
 
+// Channels of another step, which look as in all frames.
+std::shared_ptr<const std::vector<FurtherVolume>> with_looks_of(
+    const std::vector<FurtherVolume>& all_frames, std::vector<FurtherVolume> volumes) {
+  for (std::size_t i = 0; i < volumes.size(); ++i) volumes[i].look = all_frames.at(i).look;
+  return further_volumes(std::move(volumes));
+}
+
 class Animator {
  public:
   Animator(const Series& series, const AnimateFlags& animate, const ValueRange& values,
@@ -377,6 +384,7 @@ class Animator {
     if (!time_ || *time_ != frame.time) {
       field_ = {};  // two of them need not be in memory
       surface_.reset();
+      further_.reset();
       trail_.reset();
       const DrawingFlags& drawing = animate_.drawing;
       const Quiet quiet(session_);
@@ -388,11 +396,17 @@ class Animator {
               ? series_.times()[static_cast<std::size_t>(series_.nearest_step(frame.time))]
               : frame.time;
       Dataset dataset = data_at(series_, time, drawing, session_);
-      if (auto merged = merged_layers(dataset, drawing.model.component))
-        dataset = std::move(merged->dataset);
+      const bool has_channels = !drawing.channels.names.empty();
+      if (!has_channels) {
+        if (auto merged = merged_layers(dataset, drawing.model.component))
+          dataset = std::move(merged->dataset);
+      }
       const Modelled modelled = make_field(dataset, drawing.model, drawing.run.threads, session_);
       field_ = modelled.field;
       surface_ = surface_of(dataset, drawing, modelled, session_);
+      further_ = drawing.options.further;
+      if (has_channels && further_)
+        further_ = with_looks_of(*further_, *make_channels(dataset, drawing, session_));
       if (drawing.trail.length)
         trail_ = make_trail(drawing.trail, series_, frame.time, drawing.model, drawing.run.threads,
                             {field_, look, values_, animate_.data.memory_limit}, session_);
@@ -400,7 +414,8 @@ class Animator {
       if (are_own_labels && series_.num_steps() > 1)
         beside_.labels = own_labels_of_step(field_, beside_.labels, drawing.run.threads, session_);
     }
-    const RenderOptions& options = animate_.drawing.options;
+    RenderOptions options = animate_.drawing.options;
+    options.further = further_;
     const std::optional<ValuePlane>& plane = animate_.drawing.plane;
     const FrameSubject subject{field_,
                                look,
@@ -422,9 +437,10 @@ class Animator {
   const ValueRange values_;  // of all frames
   Field field_;
   std::shared_ptr<const Surface> surface_;
+  std::shared_ptr<const std::vector<FurtherVolume>> further_;
   std::optional<Trail> trail_;
   ovoid::Scenery beside_;
-  std::optional<double> time_;  // of all four
+  std::optional<double> time_;  // of all five
   std::int64_t num_empty_ = 0;
 };
 

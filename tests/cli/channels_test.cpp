@@ -211,6 +211,31 @@ TEST_F(Channels, RedGreenAndBlueAreColors) {
   EXPECT_GT(image.rgba[middle + 3], 0.9);
 }
 
+// Fails while channels but the first stand still.
+TEST_F(Channels, MoveInFilms) {
+  const auto stains = [&](const std::string& name, int border) {
+    return write_volume(name, 2, [border](int c, int x, int, int) {
+      return (c == 0) == (x < border) ? 240 : x % 3;
+    });
+  };
+  const std::string first = stains("s0.nrrd", kSide / 2), second = stains("s1.nrrd", kSide / 4);
+  // Nothing of these looks is found in the data, of which each step has its own.
+  const Words look = {"--channels", "all", "--channel-range", "0,255", "--channel-range", "0,255",
+                      "--fit",      "box", "--size",          "40x40", "--view",          "-z",
+                      "--no-shade"};
+  const auto run_with = [&](Words words) {
+    words.insert(words.end(), look.begin(), look.end());
+    expect_success(words);
+  };
+  run_with({"animate", first, second, "-o", folder_ / "f_%d.npy"});
+  for (const int step : {0, 1}) {
+    const std::string number = std::to_string(step);
+    run_with({"render", first, second, "--step", number, "-o", folder_ / "one.npy"});
+    EXPECT_TRUE(read_file(folder_ / ("f_" + number + ".npy")) == read_file(folder_ / "one.npy"))
+        << step;
+  }
+}
+
 TEST_F(Channels, SayWhatIsWrong) {
   const std::string data = two_stains();
   const auto refusal = [&](const Words& more) {

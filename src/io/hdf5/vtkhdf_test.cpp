@@ -490,6 +490,8 @@ TEST_F(VtkHdf, ImagesOfCollectionsAreALattice) {
 TEST_F(VtkHdf, WhatIsWrongIsTold) {
   VtkHdfMaker(path, "HyperTreeGrid");
   EXPECT_THAT(error(), HasSubstr("has the Type 'HyperTreeGrid', which is not read"));
+  VtkHdfMaker(path, "OverlappingAMR").attribute("", "Origin", Reals{0, 0, 0});
+  EXPECT_THAT(error(), HasSubstr("a.vtkhdf: has no grids"));
   const auto mesh = [&](const std::function<void(VtkHdfMaker&)>& spoil) {
     {
       VtkHdfMaker maker(path, "UnstructuredGrid");

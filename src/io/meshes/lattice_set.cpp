@@ -349,6 +349,8 @@ MeshPart mesh_part_of(LatticePart part) {
 
 Dataset dataset_of_lattices(Dataset dataset, std::vector<LatticePart> parts,
                             const ReadOptions& options) {
+  if (parts.empty())
+    throw Error(ErrorCode::kFileFormat, fmt::format("{}: has no grids", dataset.source));
   Dataset whole = dataset;
   std::vector<PartOutline> outlines;
   for (const LatticePart& part : parts) {

@@ -7,9 +7,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <numeric>
+#include <string_view>
 #include <system_error>
 
 #include "io/core/json_file.h"
+#include "io/core/signatures.h"
 #include "io/core/text_scanner.h"
 #include "io/formats.h"
 #include "io/meshes/mesh_steps.h"

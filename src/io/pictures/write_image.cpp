@@ -27,9 +27,8 @@ ImageFormat image_format_of(const std::string& path) {
   if (ending == ".npy") return ImageFormat::kNpy;
   throw Error(
       ErrorCode::kUnsupported,
-      fmt::format(
-          "{}: the ending '{}' names no picture format: expected .png, .jpg, .jpeg, .exr or .npy",
-          path, ending));
+      fmt::format("{}: the ending '{}' names no picture format: expected .png, .jpg, .exr or .npy",
+                  path, ending));
 }
 
 void check_image(const Image& image) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "io/core/test_folder.h"
+#include "io/images/test_volumes.h"
 #include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "ovoid/space_part.h"

@@ -36,10 +36,12 @@ bool samples_share_weights(const LatticeField& field) {
          kernel.sigma >= 0.25 && kernel.sigma <= 2.0;
 }
 
-// True if fewer samples are summed than on image sheets, or of fewer kernels: in pictures so small
-// that kernels would be widened, and in those so large that samples are interpolated.
-bool saves_samples(const view::BasePlane& base, const FrameJob& job) {
+// True if a body-centred lattice has fewer samples to sum than on image sheets, or of fewer
+// kernels: in pictures so small that kernels would be widened, and in those so large that samples
+// are interpolated.
+bool saves_samples(const LatticeField& field, const view::BasePlane& base, const FrameJob& job) {
   constexpr double kSmall = 1.2;  // samples per spacing
+  if (field.geometry().num_sublattices() == 1 || !job.further.empty()) return false;
   return base.samples_per_spacing < kSmall ||
          view::first_samples_apart(base, steepness_of(job), job.look.mode, job.options) > 1;
 }
@@ -128,7 +130,7 @@ std::optional<LatticeSheets> lattice_sheets_for(const BackEnd& back_end, const F
     return std::nullopt;
   }
   if (!must && (static_cast<double>(base->width) * base->height > kMostSamples ||
-                !(samples_share_weights(field) || saves_samples(*base, job))))
+                !(samples_share_weights(field) || saves_samples(field, *base, job))))
     return std::nullopt;
   const bool is_wide = is_distance_free && view::is_refined(job.look, options) && are_gentle(job);
   const double distance =

@@ -381,6 +381,26 @@ TEST_F(LatticeSheets, AutoTakesThemOfBodyCentredLatticesInSmallAndMagnifiedPictu
   }
 }
 
+// Fails if the rule for body-centred lattices is taken for Cartesian ones, whose samples share no
+// weights under a wider kernel.
+TEST_F(LatticeSheets, AutoLeavesWideKernelsOfCartesianLatticesOnImageSheets) {
+  OVOID_NIGHTLY_ON_DEVICE();
+  const Index3 dims{20, 20, 20};
+  FieldSetup setup;
+  setup.kernel = {0.8, 3};
+  Scene scene = opaque_waves(true, Vec3(0.48, -0.31, 0.82));
+  scene.field = make_stored_field(dims, shells(dims), {ScalarType::kFloat32, 0, 1}, setup);
+  scene.look.transfer_function.opacities = {{0.2, 0}, {1, 0.2}};
+  scene.camera = camera_from(scene.field, Vec3(0.48, -0.31, 0.82), true, 1.0);
+  for (const int size : {20, 200}) {
+    scene.options.width = scene.options.height = size;
+    scene.options.sheets = Sheets::kAuto;
+    const Image taken = draw(scene).image;
+    scene.options.sheets = Sheets::kImage;
+    EXPECT_EQ(largest_difference(taken, draw(scene).image), 0) << size;
+  }
+}
+
 void expect_refused(const Scene& scene, const std::string& reason) {
   try {
     draw(on_lattice(scene));

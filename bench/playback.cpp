@@ -55,7 +55,7 @@ struct Picture {
   }
   void draw(const ovoid::Series& series, double time) {
     const ovoid::LatticeField field = ovoid::make_lattice_field(ovoid::slice_at_time(series, time));
-    renderer.render(field, camera, look, options);
+    renderer.render({field, look}, camera, options);
   }
 };
 

@@ -102,9 +102,11 @@ void compare_pictures(const char* name, const ovoid::Series& series, std::int64_
     const double time = time_of(round, steps);
     const double volume = ms_of([&] {
       const auto field = ovoid::make_lattice_field(ovoid::slice_at_time(series, time));
-      renderer.render(field, camera, look, options);
+      renderer.render({field, look}, camera, options);
     });
-    const double blending = ms_of([&] { renderer.render(fields.at(time), camera, look, options); });
+    const double blending = ms_of([&] {
+      renderer.render({fields.at(time), look}, camera, options);
+    });
     if (round == 0) continue;
     by_volume.push_back(volume);
     by_blending.push_back(blending);

@@ -65,7 +65,7 @@ endif()
 # work, too, are left out. Of the parts a commit's checks leave those plain that read no files and make no models, or have no threads.
 function(ovoid_sanitize target)
   set(plain_under_address "^ovoid_render")
-  set(plain_under_thread "^ovoid_(io|fit|solid|annotate)$")
+  set(plain_under_thread "^ovoid_(io|fit|solid|scene|annotate)$")
   if(OVOID_SANITIZE AND NOT OVOID_SANITIZE_ALL AND target MATCHES "${plain_under_${OVOID_SANITIZE}}")
     target_compile_options(${target} PRIVATE -fno-sanitize=all)
   elseif(OVOID_SANITIZE STREQUAL "address")

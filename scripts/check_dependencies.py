@@ -19,11 +19,12 @@ PUBLIC = {
     "fit.h": "fit", "simplify.h": "fit",
     "solid.h": "solid",
     "camera.h": "view", "transfer_function.h": "view", "transfer_function_2d.h": "view", "look.h": "view", "image.h": "view",
-    "render_options.h": "view", "depth_limits.h": "view", "space_part.h": "view", "deep_image.h": "view", "label_style.h": "view", "crop.h": "view", "framing.h": "view", "trail.h": "view", "further_volumes.h": "view", "channels.h": "view",
+    "render_options.h": "view", "depth_limits.h": "view", "space_part.h": "view", "deep_image.h": "view", "label_style.h": "view", "crop.h": "view", "channels.h": "view",
+    "scene.h": "scene", "framing.h": "scene",
     "annotate.h": "annotate",
     "io.h": "io", "encode.h": "io", "output_files.h": "io",
     "lattice_file.h": "io",
-    "renderer.h": "render", "sampler.h": "render", "pick.h": "render", "devices.h": "render", "value_plane.h": "render", "render_surface.h": "render", "render_mesh.h": "render", "geometry.h": "render", "render_points.h": "render",
+    "renderer.h": "render", "sampler.h": "render", "pick.h": "render", "devices.h": "render",
     "ovoid.h": "everything",
 }
 
@@ -37,16 +38,17 @@ ALLOWED = {
     "solid": {"data", "model", "fit"},
     "labels": {"data", "simd", "view"},
     "view": {"data"},
+    "scene": {"data", "view", "labels"},
     "annotate": {"data", "view"},
     "io": {"data", "view:public"},
     "io/foreign": {"data", "io", "view:public"},  # io itself, the library, sees none of it
-    "render": {"data", "model", "labels", "simd", "view", "render/reference", "render/cpu", "render/vulkan"},  # src/render itself: chooses the back end
-    "render/reference": {"data", "view", "render"},
-    "render/cpu": {"data", "view", "render", "render/shared", "simd"},
+    "render": {"data", "model", "labels", "simd", "view", "scene", "render/reference", "render/cpu", "render/vulkan"},  # src/render itself: chooses the back end
+    "render/reference": {"data", "view", "scene", "render"},
+    "render/cpu": {"data", "view", "scene", "render", "render/shared", "simd"},
     "render/vulkan": {"data", "view", "render", "render/shared"},
     "render/without_vulkan": {"data", "view", "render"},
     "render/shared": {"data", "view", "render"},
-    "everything": {"data", "model", "fit", "solid", "labels", "view", "annotate", "io", "render"},
+    "everything": {"data", "model", "fit", "solid", "labels", "view", "scene", "annotate", "io", "render"},
 }
 
 # Third-party headers and the places that may see them, by prefix of the path.

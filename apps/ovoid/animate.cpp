@@ -191,14 +191,15 @@ void check_frames_are_no_inputs(const AnimateFlags& animate, const FrameNames& n
 }
 
 // Everything that is the same in all frames.
-struct SceneAtTime {
+struct AllFrames {
   Described described;
-  Look look;
+  Scene scene;  // but for what each frame has of its own: the field, its boundary, its trail
   ValueRange values;
   Camera start, camera;              // before it turns: as it comes, and as near as all frames are
   std::optional<CameraTrack> track;  // of --camera-path
-  SurfaceStyle walls{0, false};
-  ovoid::Scenery beside;
+
+  Look& look() { return scene.volumes.front().look; }
+  const Look& look() const { return scene.volumes.front().look; }
 };
 
 // The moment that `render` would take.
@@ -253,24 +254,8 @@ void fix_array(const Dataset& dataset, const Modelled& modelled, ModelFlags* mod
   model->array = modelled.array;
 }
 
-CameraSubject subject_of(const SceneAtTime& scenery, const Field& field,
-                         const DrawingFlags& drawing) {
-  const RenderOptions& options = drawing.options;
-  return {field,
-          scenery.look,
-          bounds_with(scenery.described.box.world_bounds(), drawing.options.further),
-          scenery.described.space,
-          static_cast<double>(options.width) / options.height,
-          options.clip_planes,
-          false,
-          nullptr,
-          false,
-          options.further,
-          &scenery.beside.slices};
-}
-
-SceneAtTime make_scenery(const Series& series, const Chosen& chosen, const Flags& flags,
-                         AnimateFlags* animate, Session& session) {
+AllFrames make_scene(const Series& series, const Chosen& chosen, const Flags& flags,
+                     AnimateFlags* animate, Session& session) {
   DrawingFlags& drawing = animate->drawing;
   Dataset dataset = data_at(series, chosen.time, drawing, session);
   check_format_flags(animate->data, dataset);
@@ -295,46 +280,43 @@ SceneAtTime make_scenery(const Series& series, const Chosen& chosen, const Flags
         series.nearest_step(seen.look_time), seen.num_steps, seen.values.lo, seen.values.hi));
   }
   const Field& field = subject.modelled.field;
-  SceneAtTime scenery;
-  scenery.described = std::move(subject.described);
-  scenery.described.box = box_of_all(seen, drawing.crop, field, &drawing.options);
-  scenery.values = seen.values;
+  AllFrames all;
+  all.described = std::move(subject.described);
+  all.described.box = box_of_all(seen, drawing.crop, field, &drawing.options);
+  all.values = seen.values;
+  all.scene = subject.scene;
+  Volume& volume = all.scene.volumes.front();
   const LookFlags look = with_range_of(seen, drawing.look, field);
-  scenery.look = make_look(look, field, subject.unit, session, subject.usual_look);
-  leave_colors_to_channels(drawing, &scenery.look);
-  note_on_marks(drawing.annotation, scenery.look, session);
+  volume.look = make_look(look, field, subject.unit, session, subject.usual_look);
+  leave_colors_to_channels(drawing, &volume.look);
+  note_on_marks(drawing.annotation, volume.look, session);
   if (field.kernels() != nullptr && series.num_steps() > 1) {
     // Else every step would have its own.
     if (drawing.options.sampling_distance == 0)
       drawing.options.sampling_distance = field.default_sampling_distance();
-    if (scenery.look.unit_distance == 0 && !scenery.look.transfer_function.unit_distance)
-      scenery.look.unit_distance = default_unit_distance(field);
+    if (volume.look.unit_distance == 0 && !volume.look.transfer_function.unit_distance)
+      volume.look.unit_distance = default_unit_distance(field);
   }
-  scenery.walls = surface_to_draw(subject, drawing);
-  scenery.beside = subject.scenery;
-  drawing.options.further = subject.further;
-  CameraSubject seen_subject = subject_of(scenery, field, drawing);
-  if (scenery.walls.opacity > 0) seen_subject.surface = subject.surface.get();
-  seen_subject.shows_all = drawing.points.size.has_value();
-  seen_subject.is_for_turning = true;
+  volume.walls = surface_to_draw(subject, drawing);
+  if (subject.has_points) volume.points = points_to_draw(drawing.points);
   CameraFlags camera = drawing.camera;
-  std::optional<Trail> trail;
   if (seen.num_steps > 1) camera.fit = Fit::kBox;  // what shows of one may grow in the next
   if (chosen.is_only && drawing.trail.length) {
-    trail = make_trail(drawing.trail, series, chosen.time, drawing.model, drawing.run.threads,
-                       {field, scenery.look, scenery.values, animate->data.memory_limit}, session);
-    seen_subject.trail = &*trail;
+    volume.trail = std::make_shared<Trail>(
+        make_trail(drawing.trail, series, chosen.time, drawing.model, drawing.run.threads,
+                   {field, volume.look, all.values, animate->data.memory_limit}, session));
   }
-  scenery.start = start_camera(camera, seen_subject);
-  scenery.camera = make_camera(camera, seen_subject);
-  return scenery;
-}
-
-// Channels of another step, which look as in all frames.
-std::shared_ptr<const std::vector<FurtherVolume>> with_looks_of(
-    const std::vector<FurtherVolume>& all_frames, std::vector<FurtherVolume> volumes) {
-  for (std::size_t i = 0; i < volumes.size(); ++i) volumes[i].look = all_frames.at(i).look;
-  return further_volumes(std::move(volumes));
+  const RenderOptions& options = drawing.options;
+  const CameraSubject seen_subject{
+      all.scene,           bounds_with(all.described.box.world_bounds(), all.scene),
+      all.described.space, static_cast<double>(options.width) / options.height,
+      options.clip_planes, true};
+  all.start = start_camera(camera, seen_subject);
+  all.camera = make_camera(camera, seen_subject);
+  volume.field = {};  // each frame has its own; two of them need not be in memory
+  volume.boundary.reset();
+  volume.trail.reset();
+  return all;
 }
 
 class Animator {
@@ -348,84 +330,81 @@ class Animator {
         values_(values) {}
 
   // Draws the frame and writes it.
-  void draw(const PlannedFrame& frame, SceneAtTime& scenery, const std::string& path,
+  void draw(const PlannedFrame& frame, const AllFrames& all, const std::string& path,
             const RenderHooks& hooks) {
-    const Camera camera = camera_of(frame, scenery);
-    Image image = render(frame, camera, scenery, hooks);
+    const Camera camera = camera_of(frame, all);
+    Image image = render(frame, camera, all, hooks);
     if (is_empty(image)) ++num_empty_;
-    if (scenery.look.mode == Mode::kXray && is_for_eyes(path))
-      color_integrals(image, scenery.look.transfer_function);
+    if (all.look().mode == Mode::kXray && is_for_eyes(path))
+      color_integrals(image, all.look().transfer_function);
     session_.check_stop();
-    write_picture(image, animate_.drawing, scenery.described, camera, scenery.look,
+    write_picture(image, animate_.drawing, all.described, camera, all.look(),
                   {path, session_.stop()});
   }
 
   // The integrals over which an x-ray's colours are spread in all frames.
-  void measure_integrals(const PlannedFrame& frame, SceneAtTime& scenery) {
+  void measure_integrals(const PlannedFrame& frame, AllFrames& all) {
     RenderHooks hooks;
     hooks.stop = session_.stop();
-    const Image image = render(frame, camera_of(frame, scenery), scenery, hooks);
-    spread_over_integrals(scenery.look.transfer_function, image, animate_.drawing.look, session_);
+    const Image image = render(frame, camera_of(frame, all), all, hooks);
+    spread_over_integrals(all.look().transfer_function, image, animate_.drawing.look, session_);
   }
 
   std::int64_t num_empty() const noexcept { return num_empty_; }
 
  private:
-  Camera camera_of(const PlannedFrame& frame, const SceneAtTime& scenery) const {
-    if (scenery.track) return scenery.track->at(frame.place);
+  Camera camera_of(const PlannedFrame& frame, const AllFrames& all) const {
+    if (all.track) return all.track->at(frame.place);
     CameraFlags turned = animate_.drawing.camera;
     turned.azimuth += frame.turn;
-    return turned_camera(turned, scenery.start, scenery.camera);
+    return turned_camera(turned, all.start, all.camera);
   }
 
-  Image render(const PlannedFrame& frame, const Camera& camera, const SceneAtTime& scenery,
-               const RenderHooks& hooks) {
-    const Look& look = scenery.look;
-    if (!time_ || *time_ != frame.time) {
-      field_ = {};  // two of them need not be in memory
-      surface_.reset();
-      further_.reset();
-      trail_.reset();
-      const DrawingFlags& drawing = animate_.drawing;
-      const Quiet quiet(session_);
-      beside_ = scenery.beside;
-      const bool are_own_labels = beside_.labels.map != nullptr && drawing.labels.file.empty();
-      // Between two labels there is no third.
-      const double time =
-          are_own_labels
-              ? series_.times()[static_cast<std::size_t>(series_.nearest_step(frame.time))]
-              : frame.time;
-      Dataset dataset = data_at(series_, time, drawing, session_);
-      const bool has_channels = !drawing.channels.names.empty();
-      if (!has_channels) {
-        if (auto merged = merged_layers(dataset, drawing.model.component))
-          dataset = std::move(merged->dataset);
-      }
-      const Modelled modelled = make_field(dataset, drawing.model, drawing.run.threads, session_);
-      field_ = modelled.field;
-      surface_ = surface_of(dataset, drawing, modelled, session_);
-      further_ = drawing.options.further;
-      if (has_channels && further_)
-        further_ = with_looks_of(*further_, *make_channels(dataset, drawing, session_));
-      if (drawing.trail.length)
-        trail_ = make_trail(drawing.trail, series_, frame.time, drawing.model, drawing.run.threads,
-                            {field_, look, values_, animate_.data.memory_limit}, session_);
-      time_ = frame.time;
-      if (are_own_labels && series_.num_steps() > 1)
-        beside_.labels = own_labels_of_step(field_, beside_.labels, drawing.run.threads, session_);
+  // What of the scene moves. Looks, walls and what stands beside are those of all frames.
+  void go_to(double time, const AllFrames& all) {
+    scene_ = {};  // two of them need not be in memory
+    const DrawingFlags& drawing = animate_.drawing;
+    const Quiet quiet(session_);
+    const bool are_own_labels = all.scene.labels.map != nullptr && drawing.labels.file.empty();
+    // Between two labels there is no third.
+    const double time_of_data =
+        are_own_labels ? series_.times()[static_cast<std::size_t>(series_.nearest_step(time))]
+                       : time;
+    Dataset dataset = data_at(series_, time_of_data, drawing, session_);
+    const bool has_channels = !drawing.channels.names.empty();
+    if (!has_channels) {
+      if (auto merged = merged_layers(dataset, drawing.model.component))
+        dataset = std::move(merged->dataset);
     }
-    RenderOptions options = animate_.drawing.options;
-    options.further = further_;
-    const std::optional<ValuePlane>& plane = animate_.drawing.plane;
-    const FrameSubject subject{field_,
-                               look,
-                               trail_ ? &*trail_ : nullptr,
-                               plane ? &*plane : nullptr,
-                               surface_.get(),
-                               scenery.walls,
-                               points_to_draw(animate_.drawing.points),
-                               &beside_};
-    Frame drawn = draw_frame(renderer_, subject, camera, options, hooks);
+    const Modelled modelled = make_field(dataset, drawing.model, drawing.run.threads, session_);
+    scene_ = all.scene;
+    Volume& volume = scene_.volumes.front();
+    volume.field = modelled.field;
+    volume.boundary = surface_of(dataset, drawing, modelled, session_);
+    if (has_channels) {
+      const std::vector<Volume> channels = make_channels(dataset, drawing, session_);
+      for (std::size_t i = 0; i < channels.size(); ++i)
+        scene_.volumes.at(i + 1).field = channels[i].field;
+    }
+    if (drawing.trail.length) {
+      volume.trail = std::make_shared<Trail>(
+          make_trail(drawing.trail, series_, time, drawing.model, drawing.run.threads,
+                     {volume.field, volume.look, values_, animate_.data.memory_limit}, session_));
+    }
+    if (are_own_labels && series_.num_steps() > 1)
+      scene_.labels =
+          own_labels_of_step(volume.field, all.scene.labels, drawing.run.threads, session_);
+    time_ = time;
+  }
+
+  Image render(const PlannedFrame& frame, const Camera& camera, const AllFrames& all,
+               const RenderHooks& hooks) {
+    if (!time_ || *time_ != frame.time) {
+      time_.reset();
+      go_to(frame.time, all);
+    }
+    scene_.volumes.front().look = all.look();  // an x-ray's is spread over the first frame
+    Frame drawn = renderer_.render(scene_, camera, animate_.drawing.options, hooks);
     if (!drawn.profile.notice.empty()) session_.note(drawn.profile.notice);
     return std::move(drawn.image);
   }
@@ -435,12 +414,8 @@ class Animator {
   Session& session_;
   Renderer renderer_;
   const ValueRange values_;  // of all frames
-  Field field_;
-  std::shared_ptr<const Surface> surface_;
-  std::shared_ptr<const std::vector<FurtherVolume>> further_;
-  std::optional<Trail> trail_;
-  ovoid::Scenery beside_;
-  std::optional<double> time_;  // of all five
+  Scene scene_;
+  std::optional<double> time_;  // that it is of
   std::int64_t num_empty_ = 0;
 };
 
@@ -465,7 +440,7 @@ std::vector<std::int64_t> missing_frames(const std::vector<PlannedFrame>& plan,
 }
 
 void draw_frames(const std::vector<PlannedFrame>& plan, const std::vector<std::int64_t>& missing,
-                 SceneAtTime& scenery, const FrameNames& names, FrameRecord& record,
+                 const AllFrames& all, const FrameNames& names, FrameRecord& record,
                  std::uint64_t settings, Animator& animator, Session& session) {
   Progress progress("drawing");
   std::size_t done = 0;
@@ -478,7 +453,7 @@ void draw_frames(const std::vector<PlannedFrame>& plan, const std::vector<std::i
     for (const std::int64_t number : missing) {
       progress.rename(fmt::format("frame {} of {}", number + 1, plan.size()));
       const PlannedFrame& frame = plan[static_cast<std::size_t>(number)];
-      animator.draw(frame, scenery, names.path(number), hooks);
+      animator.draw(frame, all, names.path(number), hooks);
       record.add(number, key_of(frame, settings));
       ++done;
     }
@@ -584,19 +559,19 @@ void run_animate(const Words& words, Session& session) {
   FilmFolder folder(makes_film ? folder_of_film(animate.output) : "", record);
   const auto missing = missing_frames(plan, record, settings, session);
   if (!missing.empty()) {
-    SceneAtTime scenery = make_scenery(series, chosen, flags, &animate, session);
+    AllFrames all = make_scene(series, chosen, flags, &animate, session);
     if (path) {
       const CameraFlags& turns = animate.drawing.camera;
-      const Camera unturned = unturned_camera(turns, scenery.start, scenery.camera);
-      scenery.track.emplace(*path, unturned, turns);
+      const Camera unturned = unturned_camera(turns, all.start, all.camera);
+      all.track.emplace(*path, unturned, turns);
     }
-    Animator animator(series, animate, scenery.values, session);
+    Animator animator(series, animate, all.values, session);
     const bool is_xray = animate.drawing.look.mode == Mode::kXray;
-    if (is_xray && is_for_eyes(names.path(0))) animator.measure_integrals(plan[0], scenery);
-    draw_frames(plan, missing, scenery, names, record, settings, animator, session);
+    if (is_xray && is_for_eyes(names.path(0))) animator.measure_integrals(plan[0], all);
+    draw_frames(plan, missing, all, names, record, settings, animator, session);
     if (animator.num_empty() > 0) {
       session.note(fmt::format("nothing shows in {} of {} frames: {}", animator.num_empty(),
-                               missing.size(), cause_of_emptiness(scenery.look, scenery.values)));
+                               missing.size(), cause_of_emptiness(all.look(), all.values)));
     }
   }
   if (!makes_film) return;

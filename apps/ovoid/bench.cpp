@@ -48,25 +48,25 @@ const Table<BenchFlags>& bench_settings() {
 }
 
 struct SceneResult {
-  Scene scene;
+  BenchScene scene;
   double model_ms = 0;
   Quartiles frame_ms;
   FrameProfile profile;  // of one more frame, with stage times
 };
 
 // The scenes whose name contains one of `names`, in the standard order; all, if there are none.
-std::vector<Scene> select_scenes(const std::vector<std::string>& names) {
-  std::vector<Scene> all = standard_scenes();
+std::vector<BenchScene> select_scenes(const std::vector<std::string>& names) {
+  std::vector<BenchScene> all = standard_scenes();
   if (names.empty()) return all;
   std::vector<std::string> known;
   known.reserve(all.size());
-  for (const Scene& scene : all) known.push_back(scene.name());
+  for (const BenchScene& scene : all) known.push_back(scene.name());
   const auto matches = [](const std::string& scene, const std::string& name) {
     return scene.find(name) != std::string::npos;
   };
-  std::vector<Scene> selected;
+  std::vector<BenchScene> selected;
   for (const std::string& name : names) {
-    if (const std::optional<Scene> own = scene_named(name)) {
+    if (const std::optional<BenchScene> own = scene_named(name)) {
       selected.push_back(*own);
       continue;
     }
@@ -78,7 +78,7 @@ std::vector<Scene> select_scenes(const std::vector<std::string>& names) {
           name, did_you_mean(name, known)));
     }
   }
-  for (const Scene& scene : all) {
+  for (const BenchScene& scene : all) {
     if (std::any_of(names.begin(), names.end(),
                     [&](const std::string& name) { return matches(scene.name(), name); })) {
       selected.push_back(scene);
@@ -99,22 +99,22 @@ void check_picture(const Image& image, const std::string& scene) {
 }
 
 // The volume of a scene and what it took to model it; made once for the scenes that share it.
-struct Volume {
+struct BenchVolume {
   std::string name;
   Field field;
   Camera camera;
   double model_ms = 0;
 };
 
-Dataset make_data(const Scene& scene) {
+Dataset make_data(const BenchScene& scene) {
   const std::int64_t n = scene.samples;
   if (!scene.is_lattice) return make_sample(scene.volume, {.count = n});
   return make_sample(scene.volume, {.size = {n, n, n}, .type = ScalarType::kUInt8});
 }
 
-Volume make_volume(const Scene& scene, const BenchFlags& bench, Session& session) {
+BenchVolume make_volume(const BenchScene& scene, const BenchFlags& bench, Session& session) {
   const Dataset dataset = make_data(scene);
-  Volume volume;
+  BenchVolume volume;
   volume.name = scene.volume_name();
   const Stopwatch modelling;
   volume.field = make_field(dataset, bench.model, bench.run.threads, session).field;
@@ -125,7 +125,7 @@ Volume make_volume(const Scene& scene, const BenchFlags& bench, Session& session
   return volume;
 }
 
-SceneResult measure(const Scene& scene, const Volume& volume, const BenchFlags& bench,
+SceneResult measure(const BenchScene& scene, const BenchVolume& volume, const BenchFlags& bench,
                     Renderer& renderer, const Session& session) {
   RenderOptions options = bench.options;
   options.width = scene.width;
@@ -134,7 +134,7 @@ SceneResult measure(const Scene& scene, const Volume& volume, const BenchFlags& 
   RenderHooks hooks;
   hooks.stop = session.stop();
   const auto draw = [&](const Camera& camera) {
-    return renderer.render(volume.field, camera, look, options, hooks);
+    return renderer.render({volume.field, look}, camera, options, hooks);
   };
   Camera middle = volume.camera;
   middle.zoom(scene.magnification);
@@ -232,8 +232,8 @@ void print_heading(const FrameProfile& frame, int frames) {
 void measure_all(const BenchFlags& bench, Session& session) {
   Renderer renderer(bench.run);
   Json report;
-  Volume volume;
-  for (const Scene& scene : select_scenes(bench.names)) {
+  BenchVolume volume;
+  for (const BenchScene& scene : select_scenes(bench.names)) {
     if (volume.name != scene.volume_name()) {
       volume = {};  // before the next one is made
       volume = make_volume(scene, bench, session);
@@ -274,7 +274,7 @@ void run_bench(const Words& words, Session& session) {
   flags.add(switch_settings(), &bench.options);
   if (!flags.parse(words)) return;
   if (bench.lists) {
-    for (const Scene& scene : select_scenes(bench.names)) print_out("{}\n", scene.name());
+    for (const BenchScene& scene : select_scenes(bench.names)) print_out("{}\n", scene.name());
     return;
   }
   measure_all(bench, session);

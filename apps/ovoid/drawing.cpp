@@ -144,30 +144,36 @@ Subject make_subject(const Dataset& dataset, const Flags& flags, DrawingFlags* d
   }
   subject.described = describe(drawn, subject.modelled, subject.modelled.component);
   subject.unit = unit_of(drawn, subject.modelled, Role::kOpacity);
-  subject.surface = surface_of(drawn, *drawing, subject.modelled, session);
+  const Field& field = subject.field();
+  Volume volume{field, {}};
+  volume.boundary = surface_of(drawn, *drawing, subject.modelled, session);
   subject.has_points = drawn.kind == DatasetKind::kParticles || drawn.kind == DatasetKind::kKernels;
-  subject.has_walls = subject.surface != nullptr &&
+  subject.has_walls = volume.boundary != nullptr &&
                       (drawn.kind == DatasetKind::kMesh || !drawing->surface.within.empty());
-  subject.scenery = make_scenery(drawing->geometry, subject.modelled.field, session);
+  Scene& scene = subject.scene;
+  scene.volumes = {std::move(volume)};
+  scene.surfaces = make_surfaces(drawing->geometry, field, session);
+  if (!drawing->geometry.slices.empty())
+    scene.slices = make_slices(drawing->geometry, field, histogram_of(field, session.stop()));
   if (drawing->labels.own_surfaces || (are_labels && may_draw_own_labels(*drawing))) {
     const auto table =
         merged ? merged->table : table_of_file(drawn.source, std::max(drawing->model.component, 0));
-    subject.scenery.labels =
-        make_own_labels(subject.modelled.field, drawn.source, table, *drawing, session);
-    subject.usual_look.set(label_look(subject.scenery.labels.styles));
-    subject.described.label_names = names_of(subject.scenery.labels.styles);
-    leave_slices_to_labels(subject.scenery.labels, subject.scenery.slices);
+    scene.labels = make_own_labels(field, drawn.source, table, *drawing, session);
+    subject.usual_look.set(label_look(scene.labels.styles));
+    subject.described.label_names = names_of(scene.labels.styles);
+    leave_slices_to_labels(scene.labels, scene.slices);
   } else {
-    subject.scenery.labels = make_labels_beside(*drawing, session);
-    const std::shared_ptr<const LabelMap>& map = subject.scenery.labels.map;
-    if (map != nullptr &&
-        !map->geometry().world_bounds().intersects(subject.modelled.field.world_bounds()))
+    scene.labels = make_labels_beside(*drawing, session);
+    const std::shared_ptr<const LabelMap>& map = scene.labels.map;
+    if (map != nullptr && !map->geometry().world_bounds().intersects(field.world_bounds()))
       session.note(fmt::format("--labels: '{}' lies outside of the data, nowhere within them",
                                drawing->labels.file));
   }
-  subject.further = drawing->channels.names.empty() ? make_over(*drawing, drawn, session)
-                                                    : make_channels(drawn, *drawing, session);
-  drawing->options.mixing = mixing_of(*drawing);
+  for (Volume& further : drawing->channels.names.empty() ? make_over(*drawing, drawn, session)
+                                                         : make_channels(drawn, *drawing, session))
+    scene.volumes.push_back(std::move(further));
+  scene.mixing = mixing_of(*drawing);
+  scene.plane = drawing->plane;
   return subject;
 }
 
@@ -218,14 +224,17 @@ double middle_span(std::vector<float>& values) {
 }
 
 // Shares of the values' range that are seen: from outside, and through all of the surface.
-double share_seen(const Surface& surface, const Field& field) {
+double share_seen(const std::shared_ptr<const Surface>& boundary, const Field& field) {
   constexpr int kSide = 64;
   Look gray = ramp_look(field.color_range(), "gray");
   gray.shade = false;
   RenderOptions small;
   small.width = small.height = kSide;
-  const Camera camera = first_camera(field, surface.bounds);
-  const Image image = render_surface(surface, camera, gray, {}, small, 1).image;
+  const Camera camera = first_camera(field, boundary->bounds);
+  Scene scene(field, gray);
+  scene.volumes.front().boundary = boundary;
+  scene.volumes.front().walls = {1, false};
+  const Image image = Renderer(Backend::kCpu, 1).render(scene, camera, small).image;
   std::vector<float> values;
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
     if (image.rgba[i + 3] >= 1) values.push_back(image.rgba[i]);
@@ -265,14 +274,14 @@ SurfaceStyle surface_to_draw(const Subject& subject, const DrawingFlags& drawing
   constexpr double kSeeThrough = 0.2;
   const bool shows_edges = drawing.surface.shows_edges;
   const SurfaceStyle none{0, shows_edges};
-  const Surface* const surface = subject.surface.get();
   if (!subject.has_walls) return none;
+  const std::shared_ptr<const Surface>& surface = subject.scene.volumes.front().boundary;
   if (drawing.surface.opacity) return {*drawing.surface.opacity, shows_edges};
   if (shows_edges) return {1, true};
   if (is_about_inside(drawing)) return none;
-  const Field& field = subject.modelled.field;
+  const Field& field = subject.field();
   const bool is_constant = !(field.color_range().lo < field.color_range().hi);
-  if (is_constant || !has_inside(*surface) || share_seen(*surface, field) >= kMuch)
+  if (is_constant || !has_inside(*surface) || share_seen(surface, field) >= kMuch)
     return {1, false};
   if (share_in_all(*surface, field) >= kMuch) return {kSeeThrough, false};
   return none;
@@ -283,56 +292,9 @@ std::optional<PointStyle> points_to_draw(const PointFlags& points) {
   return PointStyle{*points.size};
 }
 
-namespace {
-
-// A mesh's field ends at its surface, the trail does not.
-Frame draw_with_trail(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
-                      const RenderOptions& options, const RenderHooks& hooks) {
-  RenderOptions within = options;
-  const Surface* const surface = subject.surface;
-  const bool has_limits = subject.field.kernels() != nullptr && surface != nullptr &&
-                          (surface->encloses_mesh() || subject.walls.opacity > 0);
-  if (has_limits) {
-    within.depth_limits = std::make_shared<DepthLimits>(boundary_limits(
-        *surface, camera, subject.look, subject.walls, options, renderer.threads(), hooks.stop));
-  }
-  return renderer.render(subject.field, camera, subject.look, *subject.trail, within, hooks);
-}
-
-// A mesh's field within its surface, among the surfaces of --add.
-Frame draw_with_scenery(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
-                        const RenderOptions& options, const RenderHooks& hooks) {
-  Scenery scenery = *subject.scenery;
-  scenery.mesh = subject.surface;
-  scenery.walls = subject.walls;
-  return render_with_scenery(renderer, subject.field, camera, subject.look, scenery, options,
-                             hooks);
-}
-
-}  // namespace
-
-Frame draw_frame(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
-                 const RenderOptions& options, const RenderHooks& hooks) {
-  const auto& [field, look, trail, plane, surface, walls, points, scenery] = subject;
-  if (points && field.kernels() != nullptr) {
-    return render_points(*field.kernels(), camera, look, *points, options, renderer.threads(),
-                         hooks);
-  }
-  if (trail != nullptr) return draw_with_trail(renderer, subject, camera, options, hooks);
-  if (scenery != nullptr && !scenery->empty() && plane == nullptr)
-    return draw_with_scenery(renderer, subject, camera, options, hooks);
-  if (surface == nullptr) {
-    if (plane == nullptr) return renderer.render(field, camera, look, options, hooks);
-    return render_with_plane(renderer, field, camera, look, *plane, options, hooks);
-  }
-  if (plane == nullptr)
-    return render_mesh(renderer, field, *surface, camera, look, walls, options, hooks);
-  RenderOptions within = options;
-  if (surface->encloses_mesh()) {
-    within.depth_limits = std::make_shared<DepthLimits>(boundary_limits(
-        *surface, camera, look, {0, false}, options, renderer.threads(), hooks.stop));
-  }
-  return render_with_plane(renderer, field, camera, look, *plane, within, hooks);
+bool shows_boundary_alone(const Scene& scene) {
+  const Volume& volume = scene.volumes.front();
+  return volume.boundary != nullptr && volume.walls.opacity >= 1 && !scene.plane;
 }
 
 std::string picture_ending(const std::string& path) {

@@ -12,11 +12,8 @@
 #include "draw_marks.h"
 #include "make_field.h"
 #include "make_look.h"
-#include "ovoid/further_volumes.h"
-#include "ovoid/geometry.h"
-#include "ovoid/render_mesh.h"
-#include "ovoid/render_points.h"
 #include "ovoid/renderer.h"
+#include "ovoid/scene.h"
 #include "settings.h"
 
 namespace ovoid::cli {
@@ -30,11 +27,15 @@ struct Subject {
   Described described;  // all but the box
   std::string unit;     // of what gives opacity
   UsualLook usual_look;
-  std::shared_ptr<const Surface> surface;  // of a mesh or boxes, or --within; null: there is none
-  bool has_walls = false;                  // the surface may be seen: a mesh's, that of --within
-  bool has_points = false;                 // may be drawn as balls: particles and kernels
-  Scenery scenery;                         // of --add and --slice
-  std::shared_ptr<const std::vector<FurtherVolume>> further;  // of --over; null: none
+  // What the picture is of: the field first, which ends at its boundary (a mesh's or boxes', or
+  // that of --within), what is drawn with it, and what stands beside it. The field's look is not
+  // known yet.
+  Scene scene;
+  bool has_walls = false;   // the boundary may be seen: a mesh's, that of --within
+  bool has_points = false;  // may be drawn as balls: particles and kernels
+
+  const Field& field() const { return modelled.field; }
+  const Surface* boundary() const { return scene.volumes.front().boundary.get(); }
 };
 
 // Of a mesh or boxes, or of the mesh of --within, with the values of what was modelled. Null if
@@ -46,7 +47,7 @@ std::shared_ptr<const Surface> surface_of(const Dataset& dataset, const DrawingF
 std::shared_ptr<const Surface> surface_with_values(const Surface& surface, const Field& field,
                                                    const Session& session);
 
-// What is seen of a mesh's surface, as render_mesh() takes it. Where the flags do not say, and say
+// What is seen of a mesh's boundary, as Volume::walls has it. Where the flags do not say, and say
 // nothing that is about the inside: opaque if its outside shows a quarter of the field's range or
 // more, or if there is nothing inside; else see-through if all of it does; else not at all. With
 // clip planes what is opaque stays so, and has lids. Of what is no mesh not at all.
@@ -67,31 +68,11 @@ void spread_over_integrals(TransferFunction& tf, const Image& image, const LookF
 // Turns integrals into colours, which PNG wants.
 void color_integrals(Image& image, const TransferFunction& tf);
 
-// What a frame shows.
-struct FrameSubject {
-  const Field& field;
-  const Look& look;
-  const Trail* trail = nullptr;       // null: none
-  const ValuePlane* plane = nullptr;  // null: none
-  const Surface* surface = nullptr;   // of the mesh whose field it is; null: none
-  SurfaceStyle walls{0, false};       // of the surface
-  std::optional<PointStyle> points;   // the kernels, instead of the field; none: the field
-  const Scenery* scenery = nullptr;   // beside the field, not with plane, trail, points; null: none
-
-  // Lids of cuts aside.
-  bool shows_surface_alone() const {
-    return surface != nullptr && plane == nullptr && walls.opacity >= 1;
-  }
-  // What is to fill the picture: a surface that is seen; null: what shows of the field.
-  const Surface* framed_surface() const { return walls.opacity > 0 ? surface : nullptr; }
-};
+// Whether a mesh's boundary is all that is seen, lids of cuts aside.
+bool shows_boundary_alone(const Scene& scene);
 
 // What the flags ask for instead of the field; none: the field. Of particles and kernels.
 std::optional<PointStyle> points_to_draw(const PointFlags& points);
-
-// With a trail, with a value plane, within a surface, or as points.
-Frame draw_frame(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
-                 const RenderOptions& options, const RenderHooks& hooks);
 
 bool is_empty(const Image& image);
 // Why there may be nothing in it.

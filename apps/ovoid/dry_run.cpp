@@ -42,7 +42,7 @@ double splat_bytes(const DryRun& run, const FrameProfile& profile, const FramePr
                    double strip_pixels) {
   constexpr double kSplat = 64;
   constexpr double kListed = 4;
-  if (run.subject.field.kernels() == nullptr) return 0;
+  if (run.scene.volumes.front().field.kernels() == nullptr) return 0;
   return kSplat * static_cast<double>(profile.kernels_drawn) +
          kListed * static_cast<double>(strip.kernels_loaded) * num_pixels(run.options) /
              strip_pixels;
@@ -63,21 +63,20 @@ std::string readable_time(double ms) {
 // Surfaces and points cost as much as they have parts and a few pixels: they are drawn, and
 // forgotten.
 std::string predict_by_drawing(const DryRun& run) {
+  const Volume& volume = run.scene.volumes.front();
   const double resident = static_cast<double>(resident_memory_bytes());
   Renderer renderer(run.setup);
-  const FrameProfile profile =
-      draw_frame(renderer, run.subject, run.camera, run.options, {}).profile;
+  const FrameProfile profile = renderer.render(run.scene, run.camera, run.options, {}).profile;
   const double peak =
       std::max(static_cast<double>(peak_memory_bytes()), resident + picture_bytes(run));
   const std::string what =
-      run.subject.points
-          ? readable_count(static_cast<double>(run.subject.field.num_kernels())) + " points"
-          : readable_count(static_cast<double>(run.subject.surface->triangles.size())) +
-                " triangles";
+      volume.points
+          ? readable_count(static_cast<double>(volume.field.num_kernels())) + " points"
+          : readable_count(static_cast<double>(volume.boundary->triangles.size())) + " triangles";
   return fmt::format(
       "{:<26}{} x {} pixels{}{}\n{:<26}{}\n{:<26}about {} (cpu, {} thread{})\n{:<26}about {}\n",
       "picture", run.options.width, run.options.height, run.output.empty() ? "" : ", ",
-      one_line(run.output), run.subject.points ? "points" : "surface", what, "time of a frame",
+      one_line(run.output), volume.points ? "points" : "surface", what, "time of a frame",
       readable_time(profile.frame_ms), profile.threads, profile.threads == 1 ? "" : "s",
       "greatest memory", readable_bytes(peak));
 }
@@ -85,7 +84,8 @@ std::string predict_by_drawing(const DryRun& run) {
 }  // namespace
 
 std::string predict(const DryRun& run, Session& session) {
-  if (run.subject.shows_surface_alone() || run.subject.points) return predict_by_drawing(run);
+  const Volume& volume = run.scene.volumes.front();
+  if (shows_boundary_alone(run.scene) || volume.points) return predict_by_drawing(run);
   const double resident = static_cast<double>(resident_memory_bytes());
   const RenderOptions small = resized(run.options, 4, 4);
   // A camera's picture keeps its scale when it gets narrower.
@@ -96,10 +96,10 @@ std::string predict(const DryRun& run, Session& session) {
   hooks.stop = session.stop();
   Progress progress("measuring");
   hooks.progress = progress.callback();
-  const FrameProfile profile = draw_frame(renderer, run.subject, run.camera, small, hooks).profile;
+  const FrameProfile profile = renderer.render(run.scene, run.camera, small, hooks).profile;
 
   hooks.progress = nullptr;
-  const FrameProfile timed = draw_frame(renderer, run.subject, run.camera, strip, hooks).profile;
+  const FrameProfile timed = renderer.render(run.scene, run.camera, strip, hooks).profile;
   const double num_samples = ratio * static_cast<double>(profile.samples_reconstructed);
   const double ms_per_sample =
       timed.frame_ms / std::max(1.0, static_cast<double>(timed.samples_reconstructed));
@@ -113,10 +113,9 @@ std::string predict(const DryRun& run, Session& session) {
   row("kernels", fmt::format("{}, {} of them where something can show",
                              readable_count(static_cast<double>(profile.kernels_total)),
                              readable_count(static_cast<double>(profile.kernels_drawn))));
-  row("memory of the field",
-      readable_bytes(static_cast<double>(run.subject.field.resident_bytes())));
+  row("memory of the field", readable_bytes(static_cast<double>(volume.field.resident_bytes())));
   row("sampling distance",
-      fmt::format("{:.6g}", sheet_distance(run.subject.field, run.subject.look, run.options)));
+      fmt::format("{:.6g}", sheet_distance(volume.field, volume.look, run.options)));
   row("samples",
       fmt::format("about {} reconstructed, {} of them visible", readable_count(num_samples),
                   readable_count(ratio * static_cast<double>(profile.samples_shaded))));

@@ -11,7 +11,7 @@ namespace ovoid::cli {
 
 // The frame that would be drawn.
 struct DryRun {
-  const FrameSubject& subject;
+  const Scene& scene;
   const Camera& camera;
   RenderOptions options;
   RendererSetup setup;

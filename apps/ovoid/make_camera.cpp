@@ -24,25 +24,6 @@ void set_view_angle_in_sight(Camera& camera, double degrees) {
   camera.view_angle = degrees;
 }
 
-bool shows_nothing(const Look& look) {
-  const std::vector<OpacityPoint>& opacities = look.transfer_function.opacities;
-  return look.mode == Mode::kComposite && !look.transfer_function_2d && !opacities.empty() &&
-         std::all_of(opacities.begin(), opacities.end(),
-                     [](const OpacityPoint& point) { return point.opacity == 0; });
-}
-
-// What is to fill the picture, by value.
-Look framed_look(const CameraSubject& subject) {
-  Look look = subject.look;
-  const bool is_by_slices =
-      subject.slices != nullptr && !subject.slices->empty() && shows_nothing(look);
-  if (!subject.shows_all && !is_by_slices) return look;
-  look.transfer_function.opacities.clear();
-  if (is_by_slices) look.transfer_function.opacities = subject.slices->front().colors.opacities;
-  look.transfer_function.gradient_opacities.clear();
-  return look;
-}
-
 void turn(Camera& camera, const CameraFlags& flags) {
   camera.azimuth(flags.azimuth);
   camera.elevation(flags.elevation);
@@ -60,7 +41,8 @@ Camera start_camera(const CameraFlags& flags, const CameraSubject& subject) {
   const bool is_from_file = !flags.file.empty();
   Camera camera = is_from_file ? camera_of_flag(flags.file)
                   : flags.view.empty()
-                      ? first_camera(subject.field, subject.bounds, subject.space, subject.aspect)
+                      ? first_camera(subject.scene.volumes.front().field, subject.bounds,
+                                     subject.space, subject.aspect)
                       : default_camera(subject.bounds, subject.space, flags.view, subject.aspect);
   if (flags.parallel_projection) camera.parallel_projection = *flags.parallel_projection;
   if (!flags.view_angle) return camera;
@@ -76,12 +58,10 @@ Camera make_camera(const CameraFlags& flags, const CameraSubject& subject) {
   Camera camera = start_camera(flags, subject);
   turn(camera, flags);
   if (flags.file.empty() && flags.fit == Fit::kVisible) {
-    const Framing framing{subject.aspect,      Framing().fill,  subject.is_for_turning,
-                          subject.clip_planes, subject.further, subject.trail};
-    const Look look = framed_look(subject);
-    camera = subject.surface != nullptr && subject.trail == nullptr
-                 ? framed(camera, *subject.surface, framing)
-                 : framed(camera, subject.field, look, framing);
+    camera = framed(camera, subject.scene,
+                    {.aspect = subject.aspect,
+                     .is_for_turning = subject.is_for_turning,
+                     .clip_planes = subject.clip_planes});
   }
   camera.zoom(flags.zoom);
   try {

@@ -1,37 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "ovoid/camera.h"
-#include "ovoid/field.h"
-#include "ovoid/further_volumes.h"
-#include "ovoid/geometry.h"
-#include "ovoid/look.h"
-#include "ovoid/render_options.h"
-#include "ovoid/surface.h"
-#include "ovoid/trail.h"
+#include "ovoid/scene.h"
 #include "settings.h"
 
 namespace ovoid::cli {
 
 // What a camera is made for.
 struct CameraSubject {
-  const Field& field;
-  const Look& look;
-  Bounds3 bounds;  // of what is left of the field
+  const Scene& scene;
+  Bounds3 bounds;  // of what is left of the volumes
   Space space = Space::kNone;
   double aspect = 1;  // width / height of the picture
   std::vector<ClipPlane> clip_planes;
-  bool is_for_turning = false;       // as in Framing
-  const Surface* surface = nullptr;  // what is drawn instead of the field; null: nothing
-  bool shows_all = false;            // every kernel is seen, whatever the look makes of its value
-  std::shared_ptr<const std::vector<FurtherVolume>> further{};  // drawn with the field
-  // Of the field, which count where the look shows nothing of it; null: none.
-  const std::vector<FieldSlice>* slices = nullptr;
-  const Trail* trail = nullptr;  // drawn with the field; null: none
+  bool is_for_turning = false;  // as in Framing
 };
 
 // The default view of the subject, or the file's camera, with the flags applied. Throws Error.

@@ -19,7 +19,7 @@
 namespace ovoid::cli {
 namespace {
 
-constexpr std::size_t kMostChannels = kMostFurtherVolumes + 1;
+constexpr std::size_t kMostChannels = Scene::kMaxVolumes;
 
 // Where a channel is: an array, or a component of one.
 struct Channel {
@@ -209,15 +209,14 @@ LookFlags channel_look_flags(const LookFlags& picture, const ValueRange& range, 
 }
 
 std::vector<NamedChannel> named_channels(const Dataset& dataset, const DrawingFlags& drawing,
-                                         const LatticeField& first,
-                                         const std::vector<FurtherVolume>& further) {
+                                         const std::vector<Volume>& volumes) {
   std::vector<NamedChannel> named;
   if (drawing.channels.names.empty() || are_primaries(drawing)) return named;
   const std::vector<Channel> channels = wanted_channels(dataset, drawing);
   for (std::size_t i = 0; i < channels.size(); ++i) {
     const bool is_array = channels[i].component == kUsualComponent;
     const std::string number = std::to_string(channels[i].component);
-    const LatticeField& field = i == 0 ? first : further.at(i - 1).field;
+    const LatticeField& field = *volumes.at(i).field.lattice();
     named.push_back({is_array ? channels[i].array : number,
                      is_array ? channels[i].array : "component " + number, field,
                      range_of(drawing.channels, i, display_of(dataset, channels[i]), field),
@@ -266,12 +265,11 @@ void take_channel_look(const Dataset& dataset, const LatticeField& field, Drawin
   drawing->look = channel_look_flags(drawing->look, range, color);
 }
 
-std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& dataset,
-                                                                const DrawingFlags& drawing,
-                                                                Session& session) {
+std::vector<Volume> make_channels(const Dataset& dataset, const DrawingFlags& drawing,
+                                  Session& session) {
   const ChannelFlags& said = drawing.channels;
-  if (said.names.empty()) return nullptr;
-  std::vector<FurtherVolume> volumes;
+  std::vector<Volume> volumes;
+  if (said.names.empty()) return volumes;
   if (are_primaries(drawing)) {
     const DataArray& array = array_of_primaries(dataset, drawing);
     for (int i = 0; i < 3; ++i) {
@@ -280,7 +278,7 @@ std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& d
       const Look look = primary_look(is_of_bytes ? ValueRange{0, 255} : field.value_range(), i);
       volumes.push_back({field, look});
     }
-    return further_volumes(std::move(volumes));
+    return volumes;
   }
   const std::vector<Channel> channels = wanted_channels(dataset, drawing);
   for (std::size_t i = 1; i < channels.size(); ++i) {
@@ -291,7 +289,7 @@ std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& d
     const Quiet quiet(session);
     volumes.push_back({field, make_look(own, Field(field), "", session)});
   }
-  return further_volumes(std::move(volumes));
+  return volumes;
 }
 
 void leave_colors_to_channels(const DrawingFlags& drawing, Look* look) {

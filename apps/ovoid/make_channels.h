@@ -7,7 +7,7 @@
 
 #include "flags.h"
 #include "ovoid/dataset.h"
-#include "ovoid/further_volumes.h"
+#include "ovoid/scene.h"
 #include "session.h"
 #include "settings.h"
 
@@ -22,10 +22,10 @@ void take_channels(const Dataset& dataset, const Flags& flags, DrawingFlags* dra
 // Then the look of the first, whose field that is.
 void take_channel_look(const Dataset& dataset, const LatticeField& field, DrawingFlags* drawing);
 
-// The others, or red, green and blue; null: the drawing has no channels.
-std::shared_ptr<const std::vector<FurtherVolume>> make_channels(const Dataset& dataset,
-                                                                const DrawingFlags& drawing,
-                                                                Session& session);
+// The others, or red, green and blue, as a scene has them behind its first volume; none: the
+// drawing has no channels.
+std::vector<Volume> make_channels(const Dataset& dataset, const DrawingFlags& drawing,
+                                  Session& session);
 
 // A channel by itself.
 struct NamedChannel {
@@ -35,11 +35,9 @@ struct NamedChannel {
   ValueRange range;  // that the flags give it, or its own
   Rgb color;
 };
-// Those of a drawing after take_channels(), whose fields are `first` and make_channels(); none of
-// red, green and blue.
+// Those of a drawing after take_channels(), which is of these volumes; none of red, green and blue.
 std::vector<NamedChannel> named_channels(const Dataset& dataset, const DrawingFlags& drawing,
-                                         const LatticeField& first,
-                                         const std::vector<FurtherVolume>& further);
+                                         const std::vector<Volume>& volumes);
 
 // What a channel's look is made by; flags about light are those of the whole picture.
 LookFlags channel_look_flags(const LookFlags& picture, const ValueRange& range, const Rgb& color);

@@ -209,18 +209,17 @@ std::vector<FieldSlice> make_slices(const GeometryFlags& flags, const Field& fie
   return slices;
 }
 
-Scenery make_scenery(const GeometryFlags& flags, const Field& field, Session& session) {
-  Scenery all;
+std::vector<Geometry> make_surfaces(const GeometryFlags& flags, const Field& field,
+                                    Session& session) {
+  std::vector<Geometry> all;
   for (std::size_t i = 0; i < flags.files.size(); ++i) {
     if (nth(flags.opacities, i, 1.0) == 0) continue;
     const std::string& path = flags.files[i];
-    all.geometry.push_back(styled_surface(
+    all.push_back(styled_surface(
         flags, i, surface_of_faces(read_faces(path, session), path, flags, i, session)));
-    if (!all.geometry.back().surface->bounds.intersects(field.world_bounds()))
+    if (!all.back().surface->bounds.intersects(field.world_bounds()))
       session.note(fmt::format("'{}' lies outside of the data, nowhere within them", path));
   }
-  if (flags.slices.empty()) return all;
-  all.slices = make_slices(flags, field, histogram_of(field, session.stop()));
   return all;
 }
 

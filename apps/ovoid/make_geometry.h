@@ -11,7 +11,7 @@
 #include "histogram.h"
 #include "ovoid/dataset.h"
 #include "ovoid/field.h"
-#include "ovoid/geometry.h"
+#include "ovoid/scene.h"
 #include "session.h"
 #include "settings.h"
 
@@ -20,9 +20,10 @@ namespace ovoid::cli {
 // The array of zeros that a mesh without arrays has (ReadOptions::faces).
 inline constexpr std::string_view kNothing = "nothing";
 
-// The surfaces of --add and the slices of --slice, in their colours. `field`: what slices show.
-// Throws Error for what is no surface.
-Scenery make_scenery(const GeometryFlags& flags, const Field& field, Session& session);
+// The surfaces of --add, in their colours; tells which are nowhere near the field. Throws Error for
+// what is no surface.
+std::vector<Geometry> make_surfaces(const GeometryFlags& flags, const Field& field,
+                                    Session& session);
 
 // Its parts, for whoever keeps surfaces from one scene to the next. What a file says of faces,
 // lines and points; the surface of that, as the flags want the n-th, for which `path` is its name.

@@ -8,8 +8,8 @@
 
 #include "ovoid/dataset.h"
 #include "ovoid/field.h"
-#include "ovoid/geometry.h"
 #include "ovoid/labels.h"
+#include "ovoid/scene.h"
 #include "session.h"
 #include "settings.h"
 

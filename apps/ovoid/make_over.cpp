@@ -18,7 +18,7 @@ namespace ovoid::cli {
 namespace {
 
 // Colours of volumes that say nothing of them: unlike each other, and unlike the picture's own.
-constexpr const char* kOverMaps[kMostFurtherVolumes] = {"hot", "haline", "plasma"};
+constexpr const char* kOverMaps[kMostOver] = {"hot", "haline", "plasma"};
 
 // Opacities of volumes that say nothing of them: what is low is not seen, so that it does not hide
 // the picture's own. Of what a scan of uptake has, low is nearly all: the rest of the body.
@@ -97,8 +97,7 @@ void place(const OverFlags& over, std::size_t i, Space space, Dataset* dataset, 
 
 }  // namespace
 
-FurtherVolume make_over_volume(const DrawingFlags& drawing, std::size_t i, Space space,
-                               Session& session) {
+Volume make_over_volume(const DrawingFlags& drawing, std::size_t i, Space space, Session& session) {
   const OverFlags& over = drawing.over;
   DataFlags data;
   data.inputs = {over.files[i]};
@@ -114,7 +113,7 @@ FurtherVolume make_over_volume(const DrawingFlags& drawing, std::size_t i, Space
   const Quiet quiet(session);
   Look look = make_look(look_flags(over, i, drawing.look, modelled.field.value_range()),
                         modelled.field, unit, session);
-  return {*modelled.field.lattice(), std::move(look)};
+  return {modelled.field, std::move(look)};
 }
 
 std::string out_of_sight(const Bounds3& volume, const Bounds3& picture) {
@@ -136,16 +135,16 @@ std::string out_of_sight(const Bounds3& volume, const Bounds3& picture) {
 std::vector<OverVolume> make_over_volumes(const DrawingFlags& drawing, const Dataset& dataset,
                                           Session& session) {
   const OverFlags& over = drawing.over;
-  if (over.files.size() > kMostFurtherVolumes) {
-    throw UsageError(fmt::format("--over: given {} times, expected at most {}", over.files.size(),
-                                 kMostFurtherVolumes));
+  if (over.files.size() > kMostOver) {
+    throw UsageError(
+        fmt::format("--over: given {} times, expected at most {}", over.files.size(), kMostOver));
   }
   require_as_many(over);
   std::vector<OverVolume> volumes;
   const Bounds3 picture = dataset.lattice.world_bounds();
   Bounds3 all = picture;
   for (std::size_t i = 0; i < over.files.size(); ++i) {
-    FurtherVolume volume = make_over_volume(drawing, i, dataset.space, session);
+    Volume volume = make_over_volume(drawing, i, dataset.space, session);
     const Bounds3 own = volume.field.world_bounds();
     if (const std::string why = out_of_sight(own, picture); !why.empty()) {
       session.note(
@@ -162,21 +161,19 @@ std::vector<OverVolume> make_over_volumes(const DrawingFlags& drawing, const Dat
   return volumes;
 }
 
-std::shared_ptr<const std::vector<FurtherVolume>> make_over(const DrawingFlags& drawing,
-                                                            const Dataset& dataset,
-                                                            Session& session) {
-  if (drawing.over.files.empty()) return nullptr;
-  std::vector<FurtherVolume> volumes;
+std::vector<Volume> make_over(const DrawingFlags& drawing, const Dataset& dataset,
+                              Session& session) {
+  std::vector<Volume> volumes;
+  if (drawing.over.files.empty()) return volumes;
   for (OverVolume& made : make_over_volumes(drawing, dataset, session))
     volumes.push_back(std::move(made.volume));
-  return further_volumes(std::move(volumes));
+  return volumes;
 }
 
-Bounds3 bounds_with(const Bounds3& bounds,
-                    const std::shared_ptr<const std::vector<FurtherVolume>>& further) {
+Bounds3 bounds_with(const Bounds3& bounds, const Scene& scene) {
   Bounds3 all = bounds;
-  if (further == nullptr) return all;
-  for (const FurtherVolume& volume : *further) all.extend(volume.field.world_bounds());
+  for (std::size_t i = 1; i < scene.volumes.size(); ++i)
+    all.extend(scene.volumes[i].field.world_bounds());
   return all;
 }
 

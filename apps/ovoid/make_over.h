@@ -3,12 +3,11 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "ovoid/dataset.h"
-#include "ovoid/further_volumes.h"
+#include "ovoid/scene.h"
 #include "session.h"
 #include "settings.h"
 
@@ -21,7 +20,7 @@ std::string out_of_sight(const Bounds3& volume, const Bounds3& picture);
 
 struct OverVolume {
   std::size_t number;  // of --over
-  FurtherVolume volume;
+  Volume volume;
 };
 
 // The volumes of --over, each with its look, in the world of `dataset`, which the picture is of. A
@@ -29,17 +28,14 @@ struct OverVolume {
 std::vector<OverVolume> make_over_volumes(const DrawingFlags& drawing, const Dataset& dataset,
                                           Session& session);
 
-// The same as a picture takes them; null: there are none.
-std::shared_ptr<const std::vector<FurtherVolume>> make_over(const DrawingFlags& drawing,
-                                                            const Dataset& dataset,
-                                                            Session& session);
+// The same as a scene has them behind its first.
+std::vector<Volume> make_over(const DrawingFlags& drawing, const Dataset& dataset,
+                              Session& session);
 
 // The one of that number, in a picture whose world is in `space`. Throws Error.
-FurtherVolume make_over_volume(const DrawingFlags& drawing, std::size_t i, Space space,
-                               Session& session);
+Volume make_over_volume(const DrawingFlags& drawing, std::size_t i, Space space, Session& session);
 
-// The box around a field and what is drawn over it, world.
-Bounds3 bounds_with(const Bounds3& bounds,
-                    const std::shared_ptr<const std::vector<FurtherVolume>>& further);
+// The box around bounds, which are the first volume's, and all others.
+Bounds3 bounds_with(const Bounds3& bounds, const Scene& scene);
 
 }  // namespace ovoid::cli

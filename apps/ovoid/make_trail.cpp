@@ -154,18 +154,18 @@ Bounds3 bounds_of(const Trail& trail) {
   return bounds;
 }
 
-std::optional<Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing,
-                              const Modelled& modelled, std::int64_t step, const Look& look,
-                              Session& session) {
-  if (!drawing.trail.length) return std::nullopt;
+std::shared_ptr<const Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing,
+                                      const Modelled& modelled, std::int64_t step, const Look& look,
+                                      Session& session) {
+  if (!drawing.trail.length) return nullptr;
   Progress progress("blurring");
   const Series series = open_shown_series(data, session);
   const double time = time_of_trail(data, series, step);
   const ModelFlags model =
       model_of(*series.step(series.nearest_step(time), session.stop()), drawing, modelled);
-  return make_trail(drawing.trail, series, time, model, drawing.run.threads,
-                    {modelled.field, look, modelled.field.value_range(), data.memory_limit},
-                    session);
+  return std::make_shared<Trail>(
+      make_trail(drawing.trail, series, time, model, drawing.run.threads,
+                 {modelled.field, look, modelled.field.value_range(), data.memory_limit}, session));
 }
 
 }  // namespace ovoid::cli

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -31,9 +32,9 @@ Trail make_trail(const TrailFlags& flags, const Series& series, double time,
 // All of its moments.
 Bounds3 bounds_of(const Trail& trail);
 
-// What --motion-blur asks for of what was modelled of a step; none: it is not given. Throws Error.
-std::optional<Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing,
-                              const Modelled& modelled, std::int64_t step, const Look& look,
-                              Session& session);
+// What --motion-blur asks for of what was modelled of a step; null: it is not given. Throws Error.
+std::shared_ptr<const Trail> trail_of(const DataFlags& data, const DrawingFlags& drawing,
+                                      const Modelled& modelled, std::int64_t step, const Look& look,
+                                      Session& session);
 
 }  // namespace ovoid::cli

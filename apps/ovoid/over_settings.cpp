@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "ovoid/further_volumes.h"
+#include "ovoid/scene.h"
 #include "setting_forms.h"
 #include "settings.h"
 
@@ -68,7 +68,7 @@ const Table<ChannelFlags>& channel_settings() {
                    "(at most {}; all: its arrays, or the components of --array, "
                    "which numbers from 0 name, too; rgb: components that are red, green, blue and "
                    "perhaps opacity)",
-                   kMostFurtherVolumes + 1),
+                   Scene::kMaxVolumes),
        for_data({DatasetKind::kLattice}, "lattices"),
        of_modes(),
        of_sheets(),
@@ -101,7 +101,7 @@ const Table<OverFlags>& over_settings() {
        fmt::format("another lattice in the picture, on its own grid and at its own place in the "
                    "world, such as a PET over a CT; at a place extinctions add and colours mix "
                    "(repeatable, up to {}; what follows is said of the first, the second ...)",
-                   kMostFurtherVolumes),
+                   kMostOver),
        for_data({DatasetKind::kLattice}, "lattices"), of_modes(), of_sheets(),
        not_with("motion-blur points dry-run", "{0} is for one volume")},
       {"--over-array", word("NAME"), &O::arrays, "its array, as --array", beside},

@@ -74,17 +74,16 @@ PickWords pick_words(const Subject& subject, const Shot& shot, const AnnotationF
   return words;
 }
 
-Picker::Picker(const Field& field, const Shot& shot, const RenderOptions& options,
-               const LabelSurfaces& labels)
-    : field_(field),
+Picker::Picker(const Shot& shot, const RenderOptions& options)
+    : field_(shot.scene.volumes.front().field),
       shot_(shot),
       options_(options),
-      probe_(field),
-      surfaces_(labels),
-      labels_(label_entries(shot.look.transfer_function)) {}
+      probe_(field_),
+      surfaces_(shot.scene.labels),
+      labels_(label_entries(shot.look().transfer_function)) {}
 
 Pick Picker::at(const Image& image, int x, int y) const {
-  return pick(image, x, y, {field_, probe_, shot_.camera, shot_.look, options_});
+  return pick(image, x, y, {field_, probe_, shot_.camera, shot_.look(), options_});
 }
 
 std::optional<Label> Picker::label(const Pick& pick) const {

@@ -33,12 +33,10 @@ PickWords pick_words(const Subject& subject, const Shot& shot, const AnnotationF
 // A label that a pixel shows.
 using Label = ColorBarEntry;
 
-// Asks the picture of a field. All arguments outlive it.
+// Asks the picture of a shot. All arguments outlive it.
 class Picker {
  public:
-  // `labels`: whose surfaces are in the picture.
-  Picker(const Field& field, const Shot& shot, const RenderOptions& options,
-         const LabelSurfaces& labels);
+  Picker(const Shot& shot, const RenderOptions& options);
 
   Pick at(const Image& image, int x, int y) const;
   // Of surfaces of labels, and of a look of labels, the first that shows, from the place on to one

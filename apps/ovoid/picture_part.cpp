@@ -141,20 +141,20 @@ std::uint64_t digest_of(const LabelMap& map) {
 }
 
 // What is seen beside the field.
-std::string scenery_lines(const Scenery& scenery) {
+std::string scenery_lines(const Scene& scene) {
   std::string lines;
-  for (const Geometry& one : scenery.geometry) {
+  for (const Geometry& one : scene.surfaces) {
     lines +=
         fmt::format("add {} triangles, {:016x}, color {}, opacity {}, edges {}, colors {}\n",
                     one.surface->triangles.size(), digest_of(*one.surface), words_of(one.color),
                     one.opacity, one.shows_edges, one.colors ? words_of(*one.colors) : "none");
   }
-  for (const FieldSlice& slice : scenery.slices) {
+  for (const FieldSlice& slice : scene.slices) {
     lines += fmt::format("slice {} {}, opacity {}, outline {}, colors {}\n", words_of(slice.normal),
                          slice.offset, slice.opacity,
                          slice.outline ? words_of(*slice.outline) : "none", words_of(slice.colors));
   }
-  const LabelSurfaces& labels = scenery.labels;
+  const LabelSurfaces& labels = scene.labels;
   if (labels.map == nullptr) return lines;
   lines += fmt::format("labels {:016x}, {} {} {} {}", digest_of(*labels.map),
                        labels.shows_field_elsewhere, labels.shows_surfaces, labels.slice_lines,
@@ -179,24 +179,22 @@ std::string data_lines(const std::vector<std::string>& inputs) {
   return lines;
 }
 
-std::string picture_lines(const FrameSubject& subject, const Camera& camera,
-                          const RenderOptions& options) {
-  const Field& field = subject.field;
+std::string picture_lines(const Scene& scene, const Camera& camera, const RenderOptions& options) {
+  const auto& [field, look, trail, boundary, walls, points] = scene.volumes.front();
   std::string lines = field_line("data", field);
-  if (options.further != nullptr) {
-    for (const FurtherVolume& volume : *options.further)
-      lines +=
-          field_line("over", volume.field) + "over-look " + one_line(to_text(volume.look)) + "\n";
-    lines += fmt::format("mixing {}\n", static_cast<int>(options.mixing));
+  if (scene.volumes.size() > 1) {
+    for (std::size_t i = 1; i < scene.volumes.size(); ++i)
+      lines += field_line("over", scene.volumes[i].field) + "over-look " +
+               one_line(to_text(scene.volumes[i].look)) + "\n";
+    lines += fmt::format("mixing {}\n", static_cast<int>(scene.mixing));
   }
-  if (subject.scenery != nullptr) lines += scenery_lines(*subject.scenery);
-  if (subject.surface != nullptr)
-    lines += fmt::format("surface {} triangles, {:016x}, walls {} {}\n",
-                         subject.surface->triangles.size(), digest_of(*subject.surface),
-                         subject.walls.opacity, subject.walls.shows_edges);
-  if (subject.points) lines += fmt::format("points {}\n", subject.points->size);
+  lines += scenery_lines(scene);
+  if (boundary != nullptr)
+    lines += fmt::format("surface {} triangles, {:016x}, walls {} {}\n", boundary->triangles.size(),
+                         digest_of(*boundary), walls.opacity, walls.shows_edges);
+  if (points) lines += fmt::format("points {}\n", points->size);
   lines += fmt::format("size {}x{}\n", options.width, options.height);
-  lines += fmt::format("sampling-distance {}\n", sheet_distance(field, subject.look, options));
+  lines += fmt::format("sampling-distance {}\n", sheet_distance(field, look, options));
   lines += fmt::format("sampling {} {} {} {} {} {}\n", static_cast<int>(options.classification),
                        static_cast<int>(options.slab), static_cast<int>(options.gradient),
                        static_cast<int>(options.post_convolution), static_cast<int>(options.spread),
@@ -204,7 +202,7 @@ std::string picture_lines(const FrameSubject& subject, const Camera& camera,
   for (const ClipPlane& plane : options.clip_planes)
     lines += fmt::format("clip {} {}\n", words_of(plane.normal), plane.offset);
   lines += "camera " + one_line(to_text(camera)) + "\n";
-  lines += "look " + one_line(to_text(subject.look)) + "\n";
+  lines += "look " + one_line(to_text(look)) + "\n";
   return lines;
 }
 
@@ -222,18 +220,18 @@ std::string differing_line(const std::string& a, const std::string& b) {
   }
 }
 
-PicturePart draw_part(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
+PicturePart draw_part(Renderer& renderer, const Scene& scene, const Camera& camera,
                       RenderOptions options, const PartChoice& choice, const RenderHooks& hooks,
                       Session& session) {
   const auto [number, count] = choice;
-  const std::vector<SpacePart> parts = split_space(subject.field, count);
+  const std::vector<SpacePart> parts = split_space(scene.volumes.front().field, count);
   options.part = std::make_shared<SpacePart>(parts[static_cast<std::size_t>(number) - 1]);
   PicturePart part;
   part.number = number;
   part.count = count;
-  part.picture = picture_lines(subject, camera, options);
-  part.look = subject.look;
-  Frame frame = draw_frame(renderer, subject, camera, options, hooks);
+  part.picture = picture_lines(scene, camera, options);
+  part.look = scene.volumes.front().look;
+  Frame frame = renderer.render(scene, camera, options, hooks);
   if (!frame.profile.notice.empty()) session.note(frame.profile.notice);
   part.seen = std::move(frame.seen.value());
   return part;

@@ -13,8 +13,7 @@ namespace ovoid::cli {
 
 // All that a picture depends on, in lines "NAME VALUE": processes with the same lines draw parts of
 // one picture.
-std::string picture_lines(const FrameSubject& subject, const Camera& camera,
-                          const RenderOptions& options);
+std::string picture_lines(const Scene& scene, const Camera& camera, const RenderOptions& options);
 
 // The same of the files that it is of, before they are read: their lengths, and some of their
 // bytes. Throws Error(kFileNotFound).
@@ -24,7 +23,7 @@ std::string data_lines(const std::vector<std::string>& inputs);
 std::string differing_line(const std::string& a, const std::string& b);
 
 // Tells what the frame has to say. Throws Error.
-PicturePart draw_part(Renderer& renderer, const FrameSubject& subject, const Camera& camera,
+PicturePart draw_part(Renderer& renderer, const Scene& scene, const Camera& camera,
                       RenderOptions options, const PartChoice& choice, const RenderHooks& hooks,
                       Session& session);
 

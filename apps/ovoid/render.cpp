@@ -151,8 +151,8 @@ void check_flags(const Flags& flags, const RenderFlags& render) {
 }
 
 // One frame for the picture, and with --repeat N more for the clock.
-Image draw(const RenderFlags& render, const FrameSubject& subject, const Camera& camera,
-           RunProfile* profile, Session& session) {
+Image draw(const RenderFlags& render, const Scene& scene, const Camera& camera, RunProfile* profile,
+           Session& session) {
   Renderer renderer(render.drawing.run);
   RenderOptions options = render.drawing.options;
   RenderHooks hooks;
@@ -162,7 +162,7 @@ Image draw(const RenderFlags& render, const FrameSubject& subject, const Camera&
   Frame first = [&] {
     Progress progress("drawing");
     hooks.progress = progress.callback();
-    return draw_frame(renderer, subject, camera, options, hooks);
+    return renderer.render(scene, camera, options, hooks);
   }();
   hooks.progress = nullptr;
   if (!first.profile.notice.empty()) session.note(first.profile.notice);
@@ -175,19 +175,18 @@ Image draw(const RenderFlags& render, const FrameSubject& subject, const Camera&
   for (int i = 0; i < render.repeat; ++i) {
     Camera turned = camera;
     turned.azimuth(kTurnDegrees * i);
-    profile->frames_ms.push_back(
-        draw_frame(renderer, subject, turned, options, hooks).profile.frame_ms);
+    profile->frames_ms.push_back(renderer.render(scene, turned, options, hooks).profile.frame_ms);
     progress.show((i + 1.0) / render.repeat);
   }
   if (render.profile) {
     options.collect_profile = true;
-    profile->frame = draw_frame(renderer, subject, camera, options, hooks).profile;
+    profile->frame = renderer.render(scene, camera, options, hooks).profile;
   }
   return std::move(first.image);
 }
 
 // The one part of the picture that was asked for, as a file.
-void write_part(const RenderFlags& render, const FrameSubject& subject, const Camera& camera,
+void write_part(const RenderFlags& render, const Scene& scene, const Camera& camera,
                 Session& session) {
   Renderer renderer(render.drawing.run);
   Progress progress("drawing");
@@ -195,15 +194,15 @@ void write_part(const RenderFlags& render, const FrameSubject& subject, const Ca
   hooks.stop = session.stop();
   hooks.progress = progress.callback();
   const PicturePart part =
-      draw_part(renderer, subject, camera, render.drawing.options, *render.part, hooks, session);
+      draw_part(renderer, scene, camera, render.drawing.options, *render.part, hooks, session);
   write_picture_part(part, render.output, {session.stop()});
 }
 
 // With other processes; none of what they have drawn but at the first.
-std::optional<Image> draw_in_team(Team& team, const RenderFlags& render,
-                                  const FrameSubject& subject, const Camera& camera,
-                                  const RunProfile& profile, Session& session) {
-  team.agree(picture_lines(subject, camera, render.drawing.options) +
+std::optional<Image> draw_in_team(Team& team, const RenderFlags& render, const Scene& scene,
+                                  const Camera& camera, const RunProfile& profile,
+                                  Session& session) {
+  team.agree(picture_lines(scene, camera, render.drawing.options) +
              fmt::format("profile {}\n", render.profile));
   RendererSetup run = render.drawing.run;
   if (run.threads == 0) run.threads = team.threads();
@@ -215,11 +214,11 @@ std::optional<Image> draw_in_team(Team& team, const RenderFlags& render,
   hooks.stop = session.stop();
   hooks.team = team.kernels();
   const Stopwatch drawing;
-  const PicturePart part = draw_part(renderer, subject, camera, render.drawing.options,
+  const PicturePart part = draw_part(renderer, scene, camera, render.drawing.options,
                                      {team.number() + 1, team.count()}, hooks, session);
   const double draw_ms = drawing.ms();
   team.meet();
-  std::optional<Team::Picture> picture = team.put_together(part.seen, subject.look);
+  std::optional<Team::Picture> picture = team.put_together(part.seen, part.look);
   if (render.profile)
     tell_stages(team, {profile.load_ms, profile.model_ms, draw_ms}, picture, render.profile_file);
   if (!picture) return std::nullopt;
@@ -253,7 +252,7 @@ void check_for_team(const Flags& flags, const RenderFlags& render) {
 void tell_picks(const RenderFlags& render, const Subject& subject, const Shot& shot,
                 const Image& image, Session& session) {
   if (render.picks.empty()) return;
-  const Picker picker(subject.modelled.field, shot, render.drawing.options, subject.scenery.labels);
+  const Picker picker(shot, render.drawing.options);
   const PickWords words = pick_words(subject, shot, render.drawing.annotation);
   std::vector<Pick> picks;
   for (const auto& [x, y] : render.picks) picks.push_back(picker.at(image, x, y));
@@ -335,25 +334,22 @@ void run_render(const Words& words, Session& session) {
   const Stopwatch modelling;
   const Subject subject = make_subject(dataset, flags, &drawing, session);
   profile.model_ms = modelling.ms();
-  const Field& field = subject.modelled.field;
   const std::int64_t step = dataset.step;
   dataset = {};  // the field keeps what it borrows; the rest is memory that the frame can use
 
   Shot shot = make_shot(subject, &drawing, session);
-  const Look saved_look = shot.look;  // an x-ray's is spread anew below
-  const std::optional<Trail> trail =
-      trail_of(render.data, drawing, subject.modelled, step, shot.look, session);
-  aim_camera(&shot, subject, drawing, trail ? &*trail : nullptr);
-  FrameSubject drawn = frame_subject(subject, shot, drawing);
-  if (trail) drawn.trail = &*trail;
+  const Look saved_look = shot.look();  // an x-ray's is spread anew below
+  shot.scene.volumes.front().trail =
+      trail_of(render.data, drawing, subject.modelled, step, saved_look, session);
+  aim_camera(&shot, drawing);
   const Camera& camera = shot.camera;
   if (render.dry_run) {
-    write_out(predict({drawn, camera, drawing.options, drawing.run, render.output}, session));
+    write_out(predict({shot.scene, camera, drawing.options, drawing.run, render.output}, session));
     return;
   }
   FilesTogether files;
   if (render.part) {
-    write_part(render, drawn, camera, session);
+    write_part(render, shot.scene, camera, session);
     if (!render.look_output.empty()) write_look(saved_look, render.look_output);
     session.check_stop();
     files.commit();
@@ -361,18 +357,18 @@ void run_render(const Words& words, Session& session) {
   }
   Image image;
   if (Team* const team = session.team()) {
-    std::optional<Image> all = draw_in_team(*team, render, drawn, camera, profile, session);
+    std::optional<Image> all = draw_in_team(*team, render, shot.scene, camera, profile, session);
     if (!all) return;
     image = std::move(*all);
   } else {
-    image = draw(render, drawn, camera, &profile, session);
+    image = draw(render, shot.scene, camera, &profile, session);
   }
-  note_if_empty(image, shot, field.value_range(), session);
+  note_if_empty(image, shot, subject.field().value_range(), session);
   tell_picks(render, subject, shot, image, session);
-  if (is_for_eyes(render.output)) color_for_eyes(image, shot.look, drawing.look, session);
+  if (is_for_eyes(render.output)) color_for_eyes(image, shot.look(), drawing.look, session);
   session.check_stop();
   if (!render.output.empty()) {
-    write_picture(image, drawing, shot.described, camera, shot.look,
+    write_picture(image, drawing, shot.described, camera, shot.look(),
                   {render.output, session.stop()});
   }
   if (!render.look_output.empty()) write_look(saved_look, render.look_output);

@@ -8,9 +8,9 @@
 
 namespace ovoid::cli {
 
-std::string Scene::volume_name() const { return fmt::format("{}-{}", volume, samples); }
+std::string BenchScene::volume_name() const { return fmt::format("{}-{}", volume, samples); }
 
-std::string Scene::name() const {
+std::string BenchScene::name() const {
   const char* const kind = look == SceneLook::kSoft ? "soft" : "opaque";
   const std::string size =
       width == height ? fmt::format("{}px", width) : fmt::format("{}x{}", width, height);
@@ -18,17 +18,17 @@ std::string Scene::name() const {
   return fmt::format("{}-{}-{}{}", volume_name(), size, kind, nearer);
 }
 
-std::optional<Scene> scene_named(const std::string& name) {
+std::optional<BenchScene> scene_named(const std::string& name) {
   static const std::regex form(
       R"(([a-z-]+)-(\d{1,9})-(\d{1,5})x(\d{1,5})-(soft|opaque)(-x(\d+(\.\d+)?))?)");
   std::smatch part;
   if (!std::regex_match(name, part, form)) return std::nullopt;
-  const std::vector<Scene> standard = standard_scenes();
-  const auto known = std::find_if(standard.begin(), standard.end(), [&](const Scene& scene) {
+  const std::vector<BenchScene> standard = standard_scenes();
+  const auto known = std::find_if(standard.begin(), standard.end(), [&](const BenchScene& scene) {
     return scene.volume == part[1].str();
   });
   if (known == standard.end()) return std::nullopt;
-  Scene scene = *known;
+  BenchScene scene = *known;
   scene.samples = std::stoi(part[2]);
   scene.width = std::stoi(part[3]);
   scene.height = std::stoi(part[4]);
@@ -39,13 +39,13 @@ std::optional<Scene> scene_named(const std::string& name) {
   return is_possible ? std::optional(scene) : std::nullopt;
 }
 
-std::vector<Scene> standard_scenes() {
+std::vector<BenchScene> standard_scenes() {
   struct Data {
     const char* name;
     int samples;
     bool is_lattice;
   };
-  std::vector<Scene> scenes;
+  std::vector<BenchScene> scenes;
   for (const Data& data : {Data{"marschner-lobb", 128, true}, Data{"marschner-lobb", 256, true},
                            Data{"head", 256, true}, Data{"fin", 100'000, false},
                            Data{"galaxy", 200'000, false}, Data{"blobs", 2'000, false}}) {

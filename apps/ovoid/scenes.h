@@ -17,7 +17,7 @@ enum class SceneLook {
 
 // One standard measurement: sample data by formula, seen from its default view turned by 30 and 20
 // degrees, so that no axis lies along the view.
-struct Scene {
+struct BenchScene {
   std::string volume;  // a name that make_sample() knows
   int samples = 256;   // along each axis; of what is no lattice: nodes, particles or kernels
   bool is_lattice = true;
@@ -34,10 +34,10 @@ inline constexpr double kSceneElevation = 20;  // degrees
 
 // A scene of one's own by its name, as name() makes it: VOLUME-SAMPLES-WIDTHxHEIGHT-LOOK, at will
 // with -xM behind. None if it is no such name.
-std::optional<Scene> scene_named(const std::string& name);
+std::optional<BenchScene> scene_named(const std::string& name);
 
 // In this order the scenes with the same volume follow each other.
-std::vector<Scene> standard_scenes();
+std::vector<BenchScene> standard_scenes();
 
 // The look of a scene for values in `range`.
 Look make_scene_look(SceneLook kind, const ValueRange& range);

@@ -471,10 +471,25 @@ const Table<DrawingFlags>& plane_settings() {
   return all;
 }
 
+namespace {
+
+// "several volumes, lattice sheets"
+std::string left_to_cpu() {
+  std::string names;
+  for (const BackEndFeature& feature : back_end_features()) {
+    if (!feature.by_cpu || feature.by_vulkan) continue;
+    names += (names.empty() ? "" : ", ") + std::string(feature.name);
+  }
+  return names;
+}
+
+}  // namespace
+
 const Table<RendererSetup>& run_settings() {
   using R = RendererSetup;
   static const Table<R> all = {
-      {"--backend", choice(kBackends), &R::backend, "what draws (default {})"},
+      {"--backend", choice(kBackends), &R::backend,
+       "what draws (default {}); not by vulkan: " + left_to_cpu()},
       {"--threads", integer("N", 0, 1024), &R::threads, "(default {}: one per hardware thread)"},
       {"--device", integer("N", 0, 1023), &R::device,
        "of the devices that 'ovoid info --devices' lists (default: the first GPU)"},

@@ -22,8 +22,8 @@
 #include "ovoid/look.h"
 #include "ovoid/model.h"
 #include "ovoid/renderer.h"
+#include "ovoid/scene.h"
 #include "ovoid/slices.h"
-#include "ovoid/value_plane.h"
 #include "setting.h"
 
 namespace ovoid::cli {
@@ -227,6 +227,8 @@ struct ChannelFlags {
   std::vector<std::pair<double, double>> ranges;
   std::optional<Mixing> mixing;  // also of --over
 };
+
+inline constexpr std::size_t kMostOver = Scene::kMaxVolumes - 1;
 
 // --over: other volumes in the picture. What is said of them is said of the first, the second ...
 struct OverFlags {

@@ -11,41 +11,33 @@
 namespace ovoid::cli {
 
 Shot make_shot(const Subject& subject, DrawingFlags* drawing, Session& session) {
-  const Field& field = subject.modelled.field;
+  const Field& field = subject.field();
   Shot shot;
   shot.described = subject.described;
   shot.described.box = apply_crop(drawing->crop, field, &drawing->options);
-  shot.look = make_look(drawing->look, field, subject.unit, session, subject.usual_look);
-  leave_colors_to_channels(*drawing, &shot.look);
-  note_on_marks(drawing->annotation, shot.look, session);
-  shot.walls = surface_to_draw(subject, *drawing);
-  shot.points = points_to_draw(drawing->points);
-  drawing->options.further = subject.further;
+  shot.scene = subject.scene;
+  Volume& volume = shot.scene.volumes.front();
+  volume.look = make_look(drawing->look, field, subject.unit, session, subject.usual_look);
+  leave_colors_to_channels(*drawing, &volume.look);
+  note_on_marks(drawing->annotation, volume.look, session);
+  volume.walls = surface_to_draw(subject, *drawing);
+  if (subject.has_points) volume.points = points_to_draw(drawing->points);
   return shot;
 }
 
-void aim_camera(Shot* shot, const Subject& subject, const DrawingFlags& drawing,
-                const Trail* trail) {
+void aim_camera(Shot* shot, const DrawingFlags& drawing) {
   const RenderOptions& options = drawing.options;
   const double aspect = static_cast<double>(options.width) / options.height;
-  Bounds3 bounds = bounds_with(shot->described.box.world_bounds(), options.further);
+  Bounds3 bounds = bounds_with(shot->described.box.world_bounds(), shot->scene);
+  const Trail* const trail = shot->scene.volumes.front().trail.get();
   if (drawing.camera.fit == Fit::kBox && trail != nullptr) bounds.extend(bounds_of(*trail));
-  const FrameSubject drawn = frame_subject(subject, *shot, drawing);
   shot->camera = make_camera(
-      drawing.camera, {subject.modelled.field, shot->look, bounds, shot->described.space, aspect,
-                       options.clip_planes, false, drawn.framed_surface(), shot->points.has_value(),
-                       options.further, &subject.scenery.slices, trail});
-}
-
-FrameSubject frame_subject(const Subject& subject, const Shot& shot, const DrawingFlags& drawing) {
-  return {
-      subject.modelled.field, shot.look,  nullptr,     drawing.plane ? &*drawing.plane : nullptr,
-      subject.surface.get(),  shot.walls, shot.points, &subject.scenery};
+      drawing.camera, {shot->scene, bounds, shot->described.space, aspect, options.clip_planes});
 }
 
 void note_if_empty(const Image& image, const Shot& shot, const ValueRange& values,
                    Session& session) {
-  if (is_empty(image)) session.note("nothing shows: " + cause_of_emptiness(shot.look, values));
+  if (is_empty(image)) session.note("nothing shows: " + cause_of_emptiness(shot.look(), values));
 }
 
 void color_for_eyes(Image& image, Look& look, const LookFlags& flags, Session& session) {

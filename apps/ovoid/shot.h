@@ -3,7 +3,6 @@
 // away. `render` and the Python module draw by it.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "drawing.h"
@@ -11,23 +10,20 @@
 namespace ovoid::cli {
 
 struct Shot {
-  Look look;
+  Scene scene;
   Described described;  // with the box that is left
-  SurfaceStyle walls{0, false};
-  std::optional<PointStyle> points;
-  Camera camera;  // aim_camera()
+  Camera camera;        // aim_camera()
+
+  Look& look() { return scene.volumes.front().look; }
+  const Look& look() const { return scene.volumes.front().look; }
 };
 
-// As the flags say, but for the camera; the crop's clip planes are added to the options of
-// `drawing`. Throws Error.
+// As the flags say, but for the trail and the camera; the crop's clip planes are added to the
+// options of `drawing`. Throws Error.
 Shot make_shot(const Subject& subject, DrawingFlags* drawing, Session& session);
 
-// The camera has what shows in sight, that of the trail (null: none) included. Throws Error.
-void aim_camera(Shot* shot, const Subject& subject, const DrawingFlags& drawing,
-                const Trail* trail);
-
-// What a frame of it shows, without a trail. All three outlive the result.
-FrameSubject frame_subject(const Subject& subject, const Shot& shot, const DrawingFlags& drawing);
+// The camera has what shows in sight, that of the trail included. Throws Error.
+void aim_camera(Shot* shot, const DrawingFlags& drawing);
 
 // A picture without anything in it is seldom what was meant: tells why there may be nothing.
 void note_if_empty(const Image& image, const Shot& shot, const ValueRange& values,

@@ -233,8 +233,8 @@ void App::ask_for_picture(bool is_moving) {
   if (version == asked_version_ && size == asked_size_ && !is_settled) return;
   Request request;
   request.number = version;
-  request.scenes = document_.scenes(size, picture_size().width);
-  request.own = document_.own_scene();
+  request.jobs = document_.jobs(size, picture_size().width);
+  request.own = document_.own_job();
   request.is_moving = is_moving;
   worker_->ask(std::move(request));
   asked_version_ = version;

@@ -204,11 +204,10 @@ void App::read_look_file(const std::string& path) {
     look.transfer_function_2d = read.transfer_function_2d;
     look.shade = read.shade;
     look.material = read.material;
-    look.further_lights = read.further_lights;
     look.flat_rise = read.flat_rise;
-    look.occlusion = read.occlusion;
-    look.shadows = read.shadows;
-    look.scatter = read.scatter;
+    const Lighting before = std::exchange(look.lighting(), read.lighting());
+    look.light = before.light;  // the view's own, as beside --tf
+    look.light_direction = before.light_direction;
     look.unit_distance = read.unit_distance;
     panel_state_.opacity = panel_state_.gradient = panel_state_.colors = {};
     document_.touch();
@@ -288,9 +287,9 @@ void App::grant(Wishes wishes) {
 void App::save_the_picture(const std::string& path) {
   const Picture* const picture = picture_view_.full(document_);
   if (picture == nullptr) return;
-  const Scene& scene = *picture->scene;
+  const PictureJob& job = *picture->job;
   Image image = picture->image;
-  Look look = scene.look;
+  Look look = job.look();
   const bool is_for_eyes = cli::is_for_eyes(path);
   if (look.mode == Mode::kXray && is_for_eyes) {
     look.transfer_function = spread_over_integrals(look.transfer_function, picture->xray_range);
@@ -299,10 +298,10 @@ void App::save_the_picture(const std::string& path) {
   cli::DrawingFlags drawing;
   drawing.background = document_.view.background;
   if (is_for_eyes) drawing.annotation = document_.marks_of(document_.view);
-  cli::Described described = scene.shown->subject.described;
+  cli::Described described = job.shown->subject.described;
   RenderOptions ignored;
-  described.box = cli::apply_crop(crop_of(document_), scene.shown->field(), &ignored);
-  cli::write_picture(image, drawing, described, scene.camera, look, {path, {}});
+  described.box = cli::apply_crop(crop_of(document_), job.shown->field(), &ignored);
+  cli::write_picture(image, drawing, described, job.camera, look, {path, {}});
   tell("picture written to " + std::filesystem::absolute(path).string());
 }
 

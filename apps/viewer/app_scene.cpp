@@ -14,7 +14,7 @@ namespace ovoid::viewer {
 bool App::take_drop_beside(const std::vector<std::string>& paths) {
   if (!document_.is_open()) return false;
   const bool are_surfaces = std::all_of(paths.begin(), paths.end(), is_surface_by_name);
-  const LabelSurfaces& own = document_.shown->subject.scenery.labels;
+  const LabelSurfaces& own = document_.shown->subject.scene.labels;
   const bool is_meant =
       paths.size() == 1 && own.map == nullptr && !is_look_file(paths.front()) &&
       ((is_scene_shown_ && has_panel_) || cli::has_ending(paths.front(), ".seg.nrrd"));
@@ -134,7 +134,7 @@ nlohmann::ordered_json App::facts_of_several() const {
   const View& view = document_.view;
   nlohmann::ordered_json json = {{"are_seen", document_.shows_volumes(view)},
                                  {"channels_are_seen", document_.shows_channels(view)},
-                                 {"mixing", static_cast<int>(view.options.mixing)},
+                                 {"mixing", static_cast<int>(view.mixing)},
                                  {"volumes", view.volumes.size()},
                                  {"channels", document_.shown->channels.named.size()}};
   for (const AddedVolume& added : view.volumes) {

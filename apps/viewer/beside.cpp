@@ -47,11 +47,11 @@ struct Beside {
   const cli::DrawingFlags& opened;
 };
 
-std::shared_ptr<const VolumeBeside> made_volume(VolumeSource source, FurtherVolume volume,
+std::shared_ptr<const VolumeBeside> made_volume(VolumeSource source, Volume volume,
                                                 const cli::Session& session) {
   auto made = std::make_shared<VolumeBeside>();
   made->source = std::move(source);
-  made->histogram = cli::histogram_of(Field(volume.field), session.stop());
+  made->histogram = cli::histogram_of(volume.field, session.stop());
   made->volume = std::move(volume);
   return made;
 }
@@ -66,7 +66,7 @@ std::shared_ptr<const VolumeBeside> read_volume(const VolumeSource& source, std:
   drawing.over.files.assign(number + 1, source.file);
   drawing.over.arrays.assign(number + 1, source.array);
   drawing.over.transforms.assign(number + 1, source.transform);
-  FurtherVolume volume = cli::make_over_volume(drawing, number, beside.data.space, session);
+  Volume volume = cli::make_over_volume(drawing, number, beside.data.space, session);
   const std::string why =
       cli::out_of_sight(volume.field.world_bounds(), beside.data.lattice.world_bounds());
   if (!why.empty())
@@ -88,10 +88,10 @@ void take_lattice(const std::string& path, const Dataset& dataset, const BesideT
     throw Error(
         ErrorCode::kInvalidArgument,
         fmt::format("'{}' holds a lattice, which only other lattices are drawn with", path));
-  } else if (number >= kMostFurtherVolumes) {
+  } else if (number >= cli::kMostOver) {
     throw Error(ErrorCode::kInvalidArgument,
                 fmt::format("'{}': at most {} volumes are drawn with the data; remove one", path,
-                            kMostFurtherVolumes));
+                            cli::kMostOver));
   } else {
     read.volumes.push_back(read_volume({path, {}, {}}, number, beside, session));
   }

@@ -9,8 +9,8 @@
 
 #include "histogram.h"
 #include "ovoid/dataset.h"
-#include "ovoid/further_volumes.h"
 #include "ovoid/labels.h"
+#include "ovoid/scene.h"
 #include "session.h"
 #include "settings.h"
 #include "surface_files.h"
@@ -46,7 +46,7 @@ struct LabelsBeside {
 // A further volume, with the look that it begins with.
 struct VolumeBeside {
   VolumeSource source;
-  FurtherVolume volume;
+  Volume volume;
   cli::Histogram histogram;
 };
 

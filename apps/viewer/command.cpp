@@ -110,8 +110,8 @@ cli::ChannelFlags channels_of(const Document& document) {
     return flags;
   }
   const Mixing usual = has_channels ? Mixing::kAdded : Mixing::kAveraged;
-  const bool is_told = view.options.mixing != usual && view.options.mixing != Mixing::kColored;
-  if (is_told) flags.mixing = view.options.mixing;
+  const bool is_told = view.mixing != usual && view.mixing != Mixing::kColored;
+  if (is_told) flags.mixing = view.mixing;
   if (!has_channels) return flags;
   const std::vector<ChannelStyle> styles = document.channels_of(view);
   for (std::size_t i = 0; i < styles.size(); ++i) {
@@ -277,7 +277,7 @@ cli::FlagSet flags_of(const Document& document, Size size, FlagsFor use) {
   camera.file = to_text(document.camera);
   cli::tell(cli::camera_settings(), camera, &flags);
   cli::tell(cli::crop_settings(), told_crop(view, document.launch->drawing.crop), &flags);
-  drawing.plane = document.scenes({1, 1})[document.own_scene()]->plane;
+  drawing.plane = document.jobs({1, 1})[document.own_job()]->scene.plane;
   cli::tell(cli::plane_settings(), drawing, &flags);
   drawing.surface = {};
   if (!document.view.solid) drawing.surface.within = document.launch->drawing.surface.within;

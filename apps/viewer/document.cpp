@@ -106,7 +106,7 @@ void Document::take(const ShownReady& ready, double aspect) {
     view.slice_labels = flags.labels.on_slices;
     view.are_labels_flat = flags.labels.are_flat;
     for (const auto& volume : std::exchange(opened_volumes_, {})) add_volume(volume);
-    view.options.mixing = flags.channels.mixing.value_or(Mixing::kAveraged);
+    view.mixing = flags.channels.mixing.value_or(Mixing::kAveraged);
     take_channels(true);
     view.added_edges = flags.geometry.shows_edges;
     view.slices = flags.geometry;
@@ -116,7 +116,7 @@ void Document::take(const ShownReady& ready, double aspect) {
     take_window_state(launch->window, *this);
     other.reset();
     compare = CompareMode::kOff;
-    const auto drawn = scene(view, setup, {1, 1});
+    const auto drawn = job(view, setup, {1, 1});
     camera = cli::make_camera(flags.camera, camera_subject(*drawn, aspect));
     past_.clear();
     future_.clear();
@@ -149,7 +149,7 @@ void Document::reset_camera(double aspect, const std::string& view_name) {
   const bool is_parallel = camera.parallel_projection;
   cli::CameraFlags flags;
   flags.view = view_name;
-  const auto drawn = scene(view, setup, {1, 1});
+  const auto drawn = job(view, setup, {1, 1});
   camera = cli::make_camera(flags, camera_subject(*drawn, aspect));
   camera.parallel_projection = is_parallel;
 }
@@ -175,7 +175,7 @@ bool Document::shows_scenery(const View& of) const {
 
 const LabelSurfaces* Document::plain_labels(const View& of) const {
   if (of.labels) return of.labels->surfaces.get();
-  const LabelSurfaces& own = shown->subject.scenery.labels;
+  const LabelSurfaces& own = shown->subject.scene.labels;
   return own.map != nullptr ? &own : nullptr;
 }
 
@@ -281,19 +281,9 @@ std::vector<SurfaceSource> Document::surfaces_of(const std::string& file) const 
   return sources;
 }
 
-cli::CameraSubject Document::camera_subject(const Scene& drawn, double aspect) const {
-  return {drawn.drawn(),
-          drawn.look,
-          cli::bounds_with(bounds(), drawn.options.further),
-          shown->subject.described.space,
-          aspect,
-          drawn.options.clip_planes,
-          false,
-          draws_surface(view) ? shown->subject.surface.get() : nullptr,
-          draws_points(view),
-          drawn.options.further,
-          nullptr,
-          drawn.has_trail ? drawn.shown->trail.get() : nullptr};
+cli::CameraSubject Document::camera_subject(const PictureJob& drawn, double aspect) const {
+  return {drawn.scene, cli::bounds_with(bounds(), drawn.scene), shown->subject.described.space,
+          aspect, drawn.options.clip_planes};
 }
 
 const ArrayInfo* Document::array_info(const std::string& name) const {
@@ -320,61 +310,69 @@ RenderOptions Document::options_of(const View& of, Size size) const {
   return options;
 }
 
-std::shared_ptr<Scene> Document::scene(const View& of, const RendererSetup& on, Size size) const {
-  auto made = std::make_shared<Scene>();
+std::shared_ptr<PictureJob> Document::job(const View& of, const RendererSetup& on,
+                                          Size size) const {
+  auto made = std::make_shared<PictureJob>();
   made->shown = shown;
   made->extras = extras;
   made->camera = camera;
-  made->look = of.look;
   made->options = options_of(of, size);
   made->setup = on;
-  made->has_trail = has_trail(of);
-  if (is_layered(of.look.mode) && !made->has_trail) made->plane = of.plane;
-  made->has_scenery = shows_scenery(of);
-  if (made->has_scenery) {
-    made->labels = labels_of(of);
+  Scene& scene = made->scene;
+  scene.volumes = {shown->subject.scene.volumes.front()};
+  Volume& volume = scene.volumes.front();
+  volume.look = of.look;
+  if (has_trail(of)) volume.trail = shown->trail;
+  if (draws_surface(of)) volume.walls = of.surface;
+  if (draws_points(of)) volume.points = of.points;
+  if (is_layered(of.look.mode) && !has_trail(of)) scene.plane = of.plane;
+  if (shows_scenery(of)) {
+    scene.labels = labels_of(of);
     for (const AddedSurface& added : of.added) {
-      if (!added.is_hidden) made->added.push_back(added.geometry(of.added_edges));
+      if (!added.is_hidden) scene.surfaces.push_back(added.geometry(of.added_edges));
     }
     made->slices = of.slices;
   }
-  made->options.further = volumes_of(of);
+  scene.mixing = of.mixing;
+  for (Volume& further : volumes_of(of)) scene.volumes.push_back(std::move(further));
   if (shows_channels(of)) {
     put_channels(of, *made);
-  } else if (made->options.mixing == Mixing::kColored) {  // of what is not shown in this mode
-    made->options.mixing = Mixing::kAveraged;
+  } else if (scene.mixing == Mixing::kColored) {  // of what is not shown in this mode
+    scene.mixing = Mixing::kAveraged;
   }
-  if (draws_surface(of)) made->walls = of.surface;
-  if (draws_points(of)) made->points = of.points;
   made->background = of.background;
   made->xray_range = launch->drawing.look.range;
   return made;
 }
 
-// The view's scene, but for what is drawn.
-std::shared_ptr<Scene> Document::scene_of_fit(Size size) const {
-  auto made = scene(view, setup, size);
+// The view's job, but for what is drawn.
+std::shared_ptr<PictureJob> Document::job_of_fit(Size size) const {
+  auto made = job(view, setup, size);
   made->shown = fit_has_surface && fit->within ? fit->within : fit->shown;
   made->extras = fit->extras;
-  made->has_trail = false;
-  if (!view.labels) made->labels = {};  // the data's own
-  made->field.reset();
-  made->look = view.look;
-  made->options.further = volumes_of(view);
-  if (!made->shown->subject.has_walls) made->walls = {0, false};
+  made->is_of_shown = true;
+  Scene& scene = made->scene;
+  if (!view.labels) scene.labels = {};  // the data's own
+  const Volume of_view = scene.volumes.front();
+  scene.volumes = {made->shown->subject.scene.volumes.front()};
+  Volume& volume = scene.volumes.front();
+  volume.look = view.look;
+  if (made->shown->subject.has_walls) volume.walls = of_view.walls;
+  volume.points = of_view.points;
+  for (Volume& further : volumes_of(view)) scene.volumes.push_back(std::move(further));
   // Opacities mean what they mean in the data's picture.
-  if (made->look.unit_distance == 0 && !made->look.transfer_function.unit_distance)
-    made->look.unit_distance = default_unit_distance(shown->field());
+  if (volume.look.unit_distance == 0 && !volume.look.transfer_function.unit_distance)
+    volume.look.unit_distance = default_unit_distance(shown->field());
   return made;
 }
 
-std::vector<std::shared_ptr<const Scene>> Document::scenes(Size size, int alone) const {
-  if (!compares()) return {scene(view, setup, size)};
+std::vector<std::shared_ptr<const PictureJob>> Document::jobs(Size size, int alone) const {
+  if (!compares()) return {job(view, setup, size)};
   const bool is_split = compare == CompareMode::kSideBySide;
   const Size each{is_split ? std::max(1, size.width / 2) : size.width, size.height};
-  const auto own = scene(view, setup, each);
-  const auto a = compares_fit() ? own : scene(other->view, other->setup, each);
-  const auto b = compares_fit() ? scene_of_fit(each) : own;
+  const auto own = job(view, setup, each);
+  const auto a = compares_fit() ? own : job(other->view, other->setup, each);
+  const auto b = compares_fit() ? job_of_fit(each) : own;
   const double factor = static_cast<double>(alone > 0 ? alone : size.width) / each.width;
   if (is_split) a->camera = b->camera = of_height(camera, factor);
   return {a, b};

@@ -61,7 +61,8 @@ struct View {
   SurfaceStyle surface;
   bool draws_points = false;  // of particles and kernels: balls instead of the field
   PointStyle points;
-  RenderOptions options;  // without size and clip planes
+  Mixing mixing = Mixing::kAveraged;  // of several volumes
+  RenderOptions options;              // without size and clip planes
   cli::AnnotationFlags marks;
   Rgb background = cli::kBackground;
   std::vector<AddedSurface> added;
@@ -209,10 +210,10 @@ class Document {
   // The request for what is shown in `size` pixels. Each of two pictures beside each other has half
   // of them, and in it the whole width of the view, which alone is `alone` pixels wide (0: as
   // wide).
-  std::vector<std::shared_ptr<const Scene>> scenes(Size size, int alone = 0) const;
+  std::vector<std::shared_ptr<const PictureJob>> jobs(Size size, int alone = 0) const;
   // Which of them is the view's; what it is compared with is the other one.
-  std::size_t own_scene() const { return compares() && !compares_fit() ? 1 : 0; }
-  // The same options as a scene has, crop and clip planes included.
+  std::size_t own_job() const { return compares() && !compares_fit() ? 1 : 0; }
+  // The same options as a job has, crop and clip planes included.
   RenderOptions options_of(const View& of, Size size) const;
 
   // --- undo
@@ -245,19 +246,19 @@ class Document {
   std::uint64_t other_version() const noexcept { return other_version_; }
 
  private:
-  cli::CameraSubject camera_subject(const Scene& drawn, double aspect) const;
+  cli::CameraSubject camera_subject(const PictureJob& drawn, double aspect) const;
   void count_up() noexcept {
     ++version_;
     ++view_version_;
   }
   void change_views(const std::function<void(View&)>& change);  // those of undo, too
   void take_channels(bool is_first);
-  std::shared_ptr<const std::vector<FurtherVolume>> volumes_of(const View& of) const;
-  void put_channels(const View& of, Scene& into) const;
+  std::vector<Volume> volumes_of(const View& of) const;  // beside the first
+  void put_channels(const View& of, PictureJob& into) const;
   void forget_solids();  // of a mesh that was read again: they are of the one before
   bool has_trail(const View& of) const;
-  std::shared_ptr<Scene> scene(const View& of, const RendererSetup& on, Size size) const;
-  std::shared_ptr<Scene> scene_of_fit(Size size) const;
+  std::shared_ptr<PictureJob> job(const View& of, const RendererSetup& on, Size size) const;
+  std::shared_ptr<PictureJob> job_of_fit(Size size) const;
 
   std::vector<View> past_, future_;
   View settled_;  // the view when remember() was called last

@@ -12,18 +12,8 @@ namespace {
 bool shows_extremes(Mode mode) { return mode == Mode::kMaximum || mode == Mode::kMinimum; }
 
 bool has_same_light(const Look& a, const Look& b) {
-  const auto of_material = [](const Material& m) {
-    return std::array{m.ambient, m.diffuse, m.specular, m.specular_power};
-  };
-  const auto is_same_light = [](const FurtherLight& one, const FurtherLight& other) {
-    return one.direction == other.direction && one.intensity == other.intensity;
-  };
-  return a.shade == b.shade && of_material(a.material) == of_material(b.material) &&
-         a.light == b.light && a.light_direction == b.light_direction &&
-         std::equal(a.further_lights.begin(), a.further_lights.end(), b.further_lights.begin(),
-                    b.further_lights.end(), is_same_light) &&
-         a.flat_rise == b.flat_rise && a.occlusion == b.occlusion && a.shadows == b.shadows &&
-         a.scatter == b.scatter;
+  return a.shade == b.shade && a.material == b.material && a.flat_rise == b.flat_rise &&
+         a.lighting() == b.lighting();
 }
 
 void take_light(const Look& look, cli::LookFlags& flags) {
@@ -118,10 +108,7 @@ Look Document::volume_look(const View& of, const AddedVolume& volume) const {
     look.shade = of.look.shade;
     look.material = of.look.material;
     look.flat_rise = of.look.flat_rise;
-    look.occlusion = of.look.occlusion;
-    look.shadows = of.look.shadows;
-    look.scatter = of.look.scatter;
-    look.further_lights = of.look.further_lights;
+    look.lighting() = of.look.lighting();
   }
   const bool is_lit = of.look.mode == Mode::kComposite && (of.look.shade || of.look.shadows > 0);
   look.light = is_lit ? of.look.light : Look().light;
@@ -130,7 +117,7 @@ Look Document::volume_look(const View& of, const AddedVolume& volume) const {
   look.transfer_function = volume.curves;
   look.unit_distance = volume.unit_distance;
   if (look.unit_distance == 0 && !look.transfer_function.unit_distance)
-    look.unit_distance = default_unit_distance(Field(volume.of->volume.field));
+    look.unit_distance = default_unit_distance(volume.of->volume.field);
   return look;
 }
 
@@ -158,53 +145,55 @@ cli::AnnotationFlags Document::marks_of(const View& of) const {
 // Channels lie before black, and are added, unless somebody says otherwise.
 void Document::take_channels(bool is_first) {
   const ShownChannels& channels = shown->channels;
-  const bool had_channels = !view.channels.empty() || view.options.mixing == Mixing::kColored;
+  const bool had_channels = !view.channels.empty() || view.mixing == Mixing::kColored;
   const bool is_black = view.background == Rgb{0, 0, 0};
   view.channels.clear();
   view.channels = channels_of(view);
   const cli::ChannelFlags& flags = launch->drawing.channels;
   if (channels.are_primaries()) {
-    view.options.mixing = Mixing::kColored;
+    view.mixing = Mixing::kColored;
   } else if (!channels.named.empty()) {
-    view.options.mixing = is_first ? flags.mixing.value_or(Mixing::kAdded) : Mixing::kAdded;
+    view.mixing = is_first ? flags.mixing.value_or(Mixing::kAdded) : Mixing::kAdded;
     if (!is_first || !launch->flags->is_given("background")) view.background = {0, 0, 0};
   } else if (had_channels) {
-    view.options.mixing = Mixing::kAveraged;
+    view.mixing = Mixing::kAveraged;
     if (is_black) view.background = cli::kBackground;
   }
 }
 
-std::shared_ptr<const std::vector<FurtherVolume>> Document::volumes_of(const View& of) const {
-  if (!shows_volumes(of)) return nullptr;
-  std::vector<FurtherVolume> volumes;
+std::vector<Volume> Document::volumes_of(const View& of) const {
+  std::vector<Volume> volumes;
+  if (!shows_volumes(of)) return volumes;
   for (const AddedVolume& added : of.volumes) {
     if (!added.is_hidden) volumes.push_back({added.of->volume.field, volume_look(of, added)});
   }
-  return further_volumes(std::move(volumes));
+  return volumes;
 }
 
-void Document::put_channels(const View& of, Scene& into) const {
+void Document::put_channels(const View& of, PictureJob& into) const {
   const ShownChannels& channels = shown->channels;
+  std::vector<Volume>& volumes = into.scene.volumes;
   if (channels.are_primaries()) {
     cli::DrawingFlags drawing;
     drawing.channels.names = channels.chosen;
-    cli::leave_colors_to_channels(drawing, &into.look);
-    into.options.further = shown->subject.further;
+    cli::leave_colors_to_channels(drawing, &volumes.front().look);
+    const std::vector<Volume>& all = shown->subject.scene.volumes;
+    volumes.insert(volumes.end(), all.begin() + 1, all.end());
     return;
   }
   const std::vector<ChannelStyle> styles = channels_of(of);
-  std::vector<FurtherVolume> further;
+  bool is_first = true;
   for (std::size_t i = 0; i < styles.size(); ++i) {
     if (styles[i].is_hidden) continue;
-    const Look look = channel_look(of, i);
-    if (!into.field) {
-      into.field = Field(channels.named[i].field);
-      into.look = look;
+    const Field field(channels.named[i].field);
+    if (std::exchange(is_first, false)) {
+      volumes.front().field = field;
+      volumes.front().look = channel_look(of, i);
+      into.is_of_shown = false;
     } else {
-      further.push_back({channels.named[i].field, look});
+      volumes.push_back({field, channel_look(of, i)});
     }
   }
-  into.options.further = further_volumes(std::move(further));
 }
 
 }  // namespace ovoid::viewer

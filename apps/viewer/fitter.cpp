@@ -53,9 +53,11 @@ std::shared_ptr<const Shown> shown_of_fit(const FitTask& task, const std::string
 std::shared_ptr<const Shown> shown_within(const FitTask& task, const Shown& shown,
                                           const cli::Session& session) {
   const cli::Subject& of = task.of->subject;
-  if (of.surface == nullptr || !of.surface->encloses_mesh()) return nullptr;
+  const Surface* const boundary = of.boundary();
+  if (boundary == nullptr || !boundary->encloses_mesh()) return nullptr;
   auto made = std::make_shared<Shown>(shown);
-  made->subject.surface = cli::surface_with_values(*of.surface, shown.field(), session);
+  made->subject.scene.volumes.front().boundary =
+      cli::surface_with_values(*boundary, shown.field(), session);
   made->subject.has_walls = of.has_walls;
   return made;
 }

@@ -81,9 +81,7 @@ void take_channels_of(const cli::DrawingFlags& drawing, Shown& made) {
   if (drawing.channels.names.empty()) return;
   ShownChannels& channels = made.channels;
   channels.chosen = drawing.channels.names;
-  if (made.subject.further == nullptr || made.field().lattice() == nullptr) return;
-  channels.named =
-      cli::named_channels(*made.dataset, drawing, *made.field().lattice(), *made.subject.further);
+  channels.named = cli::named_channels(*made.dataset, drawing, made.subject.scene.volumes);
   for (const cli::NamedChannel& channel : channels.named) {
     const bool is_first = channels.usual.empty();
     channels.usual.push_back(is_first ? made.subject.usual_look : cli::UsualLook());
@@ -308,16 +306,14 @@ void Loader::Impl::read(const OpenTask& task, const std::stop_token& token) {
   const double time = flags.time.value_or(info->times[static_cast<std::size_t>(info->step)]);
   ShownReady ready = first_of_array(next, time, own);
   // What can be wrong with the flags comes out here, where it keeps nothing from being shown.
-  const LabelSurfaces& drawn = labels ? *labels->surfaces : next.shown->subject.scenery.labels;
+  const LabelSurfaces& drawn = labels ? *labels->surfaces : next.shown->subject.scene.labels;
   if (drawn.map != nullptr) label_edits_of(drawn.styles, next.drawing.labels);
-  const Field& field = next.shown->field();
+  const cli::Subject& subject = next.shown->subject;
   RenderOptions ignored = next.drawing.options;
-  const Box box = cli::apply_crop(next.drawing.crop, field, &ignored);
+  const Box box = cli::apply_crop(next.drawing.crop, subject.field(), &ignored);
   cli::CameraFlags camera = next.drawing.camera;
   camera.fit = cli::Fit::kBox;
-  cli::make_camera(
-      camera,
-      {field, *ready.look, box.world_bounds(), next.shown->subject.described.space, 1.0, {}});
+  cli::make_camera(camera, {subject.scene, box.world_bounds(), subject.described.space, 1.0, {}});
   data = std::move(next);  // what was there before stays if anything went wrong
   report(Opened{info, task.launch, task.is_reload, std::move(surfaces), std::move(labels),
                 std::move(volumes)});

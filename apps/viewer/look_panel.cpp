@@ -354,12 +354,7 @@ bool presets(Panel& panel) {
     cli::place_hounsfield_units(look.transfer_function, field, unit);
   }
   look.color_function = before.color_function;
-  look.light = before.light;
-  look.light_direction = before.light_direction;
-  look.further_lights = before.further_lights;
-  look.occlusion = before.occlusion;
-  look.shadows = before.shadows;
-  look.scatter = before.scatter;
+  look.lighting() = before.lighting();
   if (is_cinematic) add_cinematic_light(look);
   panel.state.opacity = panel.state.gradient = panel.state.colors = {};
   return true;

@@ -85,9 +85,9 @@ struct PanelState {
   bool has_handles = true;            // of crop, planes and slices, in the picture
   std::string beside_path;
   std::string label_filter;
-  std::array<CurveEditing, kMostFurtherVolumes> volume_opacities;
-  std::array<std::string, kMostFurtherVolumes> volume_maps;  // chosen last; empty: none
-  std::string beside_error;                                  // why the last one could not be read
+  std::array<CurveEditing, cli::kMostOver> volume_opacities;
+  std::array<std::string, cli::kMostOver> volume_maps;  // chosen last; empty: none
+  std::string beside_error;                             // why the last one could not be read
   FitState fit;
   // Of a solid.
   bool has_vertices = true;    // in the picture

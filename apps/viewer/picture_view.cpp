@@ -80,7 +80,7 @@ const Picture* PictureView::full(const Document& document) const {
       !shown_->is_final || shown_->pictures.empty())
     return nullptr;
   const Picture& own = shown_->pictures[shown_->own];
-  return own.scene->shown->is_of(document.view.solid) ? &own : nullptr;
+  return own.job->shown->is_of(document.view.solid) ? &own : nullptr;
 }
 
 Placement PictureView::placement(const Document& document, ImVec2 at, ImVec2 size) const {
@@ -247,20 +247,20 @@ bool PictureView::act(Panel& panel, const Placement& place) {
 // place by the picture's depths alone.
 Picked PictureView::picked_in(const Picture& picture, int x, int y, const FieldProbe* probe) {
   const Image& image = picture.image;
-  const Scene& scene = *picture.scene;
+  const PictureJob& job = *picture.job;
   if (probe == nullptr) {
     const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
                               static_cast<std::size_t>(x);
     double depth = image.depth[pixel];
     if (!std::isfinite(depth)) depth = image.front_depth[pixel];
-    const Projection projection(scene.camera, image.width, image.height);
+    const Projection projection(job.camera, image.width, image.height);
     return {projection.world_at(Vec2(x + 0.5, y + 0.5), depth)};
   }
   const PickKey key{shown_->number, x, y, &picture, probe};
   if (key == pick_key_) return last_picked_;
   pick_key_ = key;
   const Pick found =
-      ovoid::pick(image, x, y, {scene.drawn(), *probe, scene.camera, scene.look, scene.options});
+      ovoid::pick(image, x, y, {job.field(), *probe, job.camera, job.look(), job.options});
   last_picked_ = {found.place->position, found.place->sample.value, found.place->sample.is_defined};
   return last_picked_;
 }

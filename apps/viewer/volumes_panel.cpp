@@ -11,7 +11,7 @@
 namespace ovoid::viewer {
 namespace {
 
-constexpr std::size_t kMostChannels = kMostFurtherVolumes + 1;
+constexpr std::size_t kMostChannels = Scene::kMaxVolumes;
 
 // Components of the array that is shown, or else the arrays, the first few of them.
 std::vector<std::string> possible_channels(const Document& document) {
@@ -51,7 +51,7 @@ void choose_channels(Panel& panel, const std::vector<std::string>& names) {
 }
 
 bool mixing_editor(Panel& panel) {
-  Mixing& mixing = panel.document.view.options.mixing;
+  Mixing& mixing = panel.document.view.mixing;
   int way = mixing == Mixing::kAdded ? 1 : 0;
   const bool is_changed =
       panel.widgets.choice("scene.mixing", "mixed", {"averaged", "added"}, &way);

@@ -48,27 +48,26 @@ int coarsened(int pixels, int by) { return std::max(1, (pixels + by - 1) / by); 
 
 // What the level's picture is drawn with.
 struct Coarse {
-  const Field* field;
-  Look look;
+  Scene scene;
   RenderOptions options;
 };
 
-Coarse at_level(const Scene& scene, const Level& level) {
-  const Field& full = scene.drawn();
-  Coarse coarse{&full, scene.look, scene.options};
-  coarse.options.width = coarsened(scene.options.width, level.pixels);
-  coarse.options.height = coarsened(scene.options.height, level.pixels);
+Coarse at_level(const PictureJob& job, const Level& level) {
+  Coarse coarse{job.scene, job.options};
+  coarse.options.width = coarsened(job.options.width, level.pixels);
+  coarse.options.height = coarsened(job.options.height, level.pixels);
   coarse.options.collect_profile = true;
-  // Of two scenes the second may have less to coarsen than the first.
-  const int field = scene.has_coarser()
-                        ? std::min(level.field, static_cast<int>(scene.extras->coarser.size()))
-                        : 0;
+  // Of two pictures the second may have less to coarsen than the first.
+  const int field =
+      job.has_coarser() ? std::min(level.field, static_cast<int>(job.extras->coarser.size())) : 0;
+  if (level.field > 0) coarse.scene.volumes.front().trail.reset();
   if (field == 0) return coarse;
-  coarse.field = &scene.extras->coarser[static_cast<std::size_t>(field - 1)];
+  Volume& volume = coarse.scene.volumes.front();
+  volume.field = job.extras->coarser[static_cast<std::size_t>(field - 1)];
   coarse.options.sampling_distance *= std::exp2(field);
   // Opacities mean what they mean at the full picture.
-  if (coarse.look.unit_distance == 0 && !coarse.look.transfer_function.unit_distance)
-    coarse.look.unit_distance = default_unit_distance(full);
+  if (volume.look.unit_distance == 0 && !volume.look.transfer_function.unit_distance)
+    volume.look.unit_distance = default_unit_distance(job.field());
   return coarse;
 }
 
@@ -86,13 +85,13 @@ void compare(Pictures& pictures) {
     const float distance = std::abs(a.rgba[i] - b.rgba[i]);
     difference.rgba[i] = i % 4 == 3 ? 1 : distance * static_cast<float>(kDifferenceGain);
   }
-  Scene plain = *pictures.pictures[0].scene;
-  plain.look.mode = Mode::kComposite;
+  PictureJob plain = *pictures.pictures[0].job;
+  plain.scene.volumes.front().look.mode = Mode::kComposite;
   pictures.difference = to_display(difference, plain, {0, 1});
 }
 
-double world_pixel(const Scene& scene) {
-  const Projection projection(scene.camera, scene.options.width, scene.options.height);
+double world_pixel(const PictureJob& job) {
+  const Projection projection(job.camera, job.options.width, job.options.height);
   return projection.pixel_size_at(projection.focal_depth());
 }
 
@@ -111,22 +110,22 @@ TransferFunction spread_over_integrals(TransferFunction tf,
   return tf;
 }
 
-std::vector<std::uint8_t> to_display(const Image& image, const Scene& scene,
+std::vector<std::uint8_t> to_display(const Image& image, const PictureJob& job,
                                      const std::pair<double, double>& xray_range) {
-  const bool is_xray = scene.look.mode == Mode::kXray;
+  const bool is_xray = job.look().mode == Mode::kXray;
   constexpr std::size_t kTable = 1024;
   std::vector<Rgb> table;
   if (is_xray) {
-    const TransferFunction tf = spread_over_integrals(scene.look.transfer_function, xray_range);
+    const TransferFunction tf = spread_over_integrals(job.look().transfer_function, xray_range);
     table.resize(kTable);
     for (std::size_t i = 0; i < kTable; ++i) {
       const double at = static_cast<double>(i) / (kTable - 1);
       table[i] = tf.color_at(xray_range.first + at * (xray_range.second - xray_range.first));
     }
   }
-  const std::array<float, 3> back = {static_cast<float>(scene.background[0]),
-                                     static_cast<float>(scene.background[1]),
-                                     static_cast<float>(scene.background[2])};
+  const std::array<float, 3> back = {static_cast<float>(job.background[0]),
+                                     static_cast<float>(job.background[1]),
+                                     static_cast<float>(job.background[2])};
   const auto row = static_cast<std::size_t>(image.width) * 4;
   const auto height = static_cast<std::size_t>(image.height);
   std::vector<std::uint8_t> bytes(image.rgba.size());
@@ -172,10 +171,10 @@ struct Worker::Impl {
   std::shared_ptr<const Shown> counted_of;  // whose histogram that is
   cli::Histogram histogram;
 
-  Scenery scenery_of(const Scene& scene, const std::stop_token& token);
+  std::vector<FieldSlice> slices_of(const PictureJob& job, const std::stop_token& token);
   Renderer& renderer_for(const RendererSetup& chosen);
-  void set_scales(const Scene& scene);
-  Picture draw(const std::shared_ptr<const Scene>& scene, const Level& level,
+  void set_scales(const PictureJob& job);
+  Picture draw(const std::shared_ptr<const PictureJob>& job, const Level& level,
                const std::stop_token& token);
   bool draw_all(const Request& request, const Level& level, bool is_final);
   void serve(const Request& request);
@@ -198,63 +197,51 @@ Renderer& Worker::Impl::renderer_for(const RendererSetup& chosen) {
   return renderers.emplace(key, Renderer(setup)).first->second;
 }
 
-void Worker::Impl::set_scales(const Scene& scene) {
+void Worker::Impl::set_scales(const PictureJob& job) {
   int coarsest = 0;
-  if (scene.has_coarser()) coarsest = static_cast<int>(scene.extras->coarser.size());
-  chooser.set_scales(world_pixel(scene), scene.shown->field().default_sampling_distance(),
-                     coarsest);
+  if (job.has_coarser()) coarsest = static_cast<int>(job.extras->coarser.size());
+  chooser.set_scales(world_pixel(job), job.shown->field().default_sampling_distance(), coarsest);
 }
 
 // What slices' colours span depends on how often values occur, which the loader may not have
 // counted yet.
-Scenery Worker::Impl::scenery_of(const Scene& scene, const std::stop_token& token) {
-  Scenery all = scene.shown->subject.scenery;
-  all.labels = scene.labels;
-  all.geometry.insert(all.geometry.end(), scene.added.begin(), scene.added.end());
-  if (scene.slices.slices.empty()) return all;
-  const Field& field = scene.drawn();
-  const bool is_counted = scene.extras && scene.extras->of == scene.shown && !scene.field;
-  if (!is_counted && (counted_of != scene.shown || scene.field)) {
+std::vector<FieldSlice> Worker::Impl::slices_of(const PictureJob& job,
+                                                const std::stop_token& token) {
+  if (job.slices.slices.empty()) return {};
+  const bool is_counted = job.extras && job.extras->of == job.shown && job.is_of_shown;
+  if (!is_counted && (counted_of != job.shown || !job.is_of_shown)) {
     counted_of.reset();
-    histogram = cli::histogram_of(field, token);
-    if (!scene.field) counted_of = scene.shown;
+    histogram = cli::histogram_of(job.field(), token);
+    if (job.is_of_shown) counted_of = job.shown;
   }
   std::vector<FieldSlice> slices =
-      cli::make_slices(scene.slices, field, is_counted ? scene.extras->histogram : histogram);
-  cli::leave_slices_to_labels(all.labels, slices);
-  std::move(slices.begin(), slices.end(), std::back_inserter(all.slices));
-  return all;
+      cli::make_slices(job.slices, job.field(), is_counted ? job.extras->histogram : histogram);
+  cli::leave_slices_to_labels(job.scene.labels, slices);
+  return slices;
 }
 
-Picture Worker::Impl::draw(const std::shared_ptr<const Scene>& scene, const Level& level,
+Picture Worker::Impl::draw(const std::shared_ptr<const PictureJob>& job, const Level& level,
                            const std::stop_token& token) {
   Picture picture;
-  picture.scene = scene;
-  const Coarse coarse = at_level(*scene, level);
-  Renderer& renderer = renderer_for(scene->setup);
+  picture.job = job;
+  Coarse coarse = at_level(*job, level);
+  Renderer& renderer = renderer_for(job->setup);
   RenderHooks hooks;
   hooks.stop = token;
-  const bool has_trail = scene->has_trail && level.field == 0;
-  Scenery scenery;
-  if (scene->has_scenery) scenery = scenery_of(*scene, token);
-  Frame frame =
-      cli::draw_frame(renderer,
-                      {*coarse.field, coarse.look, has_trail ? scene->shown->trail.get() : nullptr,
-                       scene->plane ? &*scene->plane : nullptr, scene->shown->subject.surface.get(),
-                       scene->walls, scene->points, &scenery},
-                      scene->camera, coarse.options, hooks);
+  coarse.scene.slices = slices_of(*job, token);
+  Frame frame = renderer.render(coarse.scene, job->camera, coarse.options, hooks);
   picture.image = std::move(frame.image);
   picture.profile = std::move(frame.profile);
-  if (scene->look.mode == Mode::kXray) {
+  if (job->look().mode == Mode::kXray) {
     // Colours of the last full picture, so that coarse ones do not flicker.
     if (level.is_full() || !last_xray_range)
       last_xray_range = cli::range_of_integrals(picture.image);
-    auto [lo, hi] = scene->xray_range.value_or(*last_xray_range);
+    auto [lo, hi] = job->xray_range.value_or(*last_xray_range);
     picture.xray_range = {lo, lo < hi ? hi : lo + 1};  // else there is nothing but zeros
   } else {
     last_xray_range.reset();
   }
-  picture.bgra = to_display(picture.image, *scene, picture.xray_range);
+  picture.bgra = to_display(picture.image, *job, picture.xray_range);
   return picture;
 }
 
@@ -277,8 +264,8 @@ bool Worker::Impl::draw_all(const Request& request, const Level& level, bool is_
   const cli::Stopwatch since;
   FrameCost cost;
   try {
-    for (const auto& scene : request.scenes) {
-      done.pictures.push_back(draw(scene, level, token));
+    for (const auto& job : request.jobs) {
+      done.pictures.push_back(draw(job, level, token));
       const FrameCost one = cost_of(done.pictures.back().profile);
       cost.kernels_ms += one.kernels_ms;
       cost.samples_ms += one.samples_ms;
@@ -315,14 +302,14 @@ bool Worker::Impl::draw_all(const Request& request, const Level& level, bool is_
 }
 
 void Worker::Impl::serve(const Request& request) {
-  const Scene& scene = *request.scenes.front();
-  set_scales(scene);
-  if (measured_of != scene.shown) {
+  const PictureJob& job = *request.jobs.front();
+  set_scales(job);
+  if (measured_of != job.shown) {
     // Steps in time cost alike; other data do not.
-    if (!measured_of || measured_of->field().num_kernels() != scene.shown->field().num_kernels())
+    if (!measured_of || measured_of->field().num_kernels() != job.shown->field().num_kernels())
       chooser.forget();
     last_xray_range.reset();
-    measured_of = scene.shown;
+    measured_of = job.shown;
   }
   moving_level = chooser.choose(kBudgetMs, moving_level);
   if (chooser.predicted_ms(moving_level) == 0) moving_level = chooser.levels().back();

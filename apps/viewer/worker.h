@@ -13,46 +13,40 @@
 #include "levels.h"
 #include "loader.h"
 #include "ovoid/renderer.h"
-#include "ovoid/value_plane.h"
+#include "ovoid/scene.h"
 
 namespace ovoid::viewer {
 
 using Clock = std::chrono::steady_clock;
 
 // All that one picture is made of. Immutable once it is handed over.
-struct Scene {
+struct PictureJob {
   std::shared_ptr<const Shown> shown;
   std::shared_ptr<const Extras> extras;  // of `shown`; null while it is worked out
-  std::optional<Field> field{};          // instead of that of `shown`
+  Scene scene;                           // but for the slices
+  cli::GeometryFlags slices;             // of it what is about slices
+  bool is_of_shown = true;               // the first volume's field is that of `shown`
   Camera camera;
-  Look look;
   RenderOptions options;  // the full picture's, width and height included
-  std::optional<ValuePlane> plane;
   RendererSetup setup;
-  bool has_trail = false;
-  SurfaceStyle walls{0, false};      // of what is shown, if it has a surface
-  std::optional<PointStyle> points;  // drawn instead; none: the field
-  bool has_scenery = false;          // the next three count
-  LabelSurfaces labels;              // beside the data, or what they are
-  std::vector<Geometry> added;       // surfaces beside the data
-  cli::GeometryFlags slices;         // of it what is about slices
   Rgb background{0, 0, 0};
   std::optional<std::pair<double, double>> xray_range;  // none: the picture's own
 
-  const Field& drawn() const { return field ? *field : shown->field(); }
+  const Field& field() const { return scene.volumes.front().field; }
+  const Look& look() const { return scene.volumes.front().look; }
   // Several volumes, or another than the coarser fields are of, become coarser by pixels alone.
-  bool has_coarser() const { return extras != nullptr && !field && options.further == nullptr; }
+  bool has_coarser() const { return extras != nullptr && is_of_shown && scene.volumes.size() == 1; }
 };
 
 struct Request {
-  std::uint64_t number = 0;                          // rising
-  std::vector<std::shared_ptr<const Scene>> scenes;  // one, or two to be compared
-  std::size_t own = 0;                               // which of two is the document's
+  std::uint64_t number = 0;                             // rising
+  std::vector<std::shared_ptr<const PictureJob>> jobs;  // one, or two to be compared
+  std::size_t own = 0;                                  // which of two is the document's
   bool is_moving = false;  // more requests will follow soon: a coarse picture will do
 };
 
 struct Picture {
-  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const PictureJob> job;
   Image image;
   std::vector<std::uint8_t> bgra;  // opaque, before the background; row 0 at the bottom
   std::pair<double, double> xray_range{1e-3, 1};
@@ -101,7 +95,7 @@ TransferFunction spread_over_integrals(TransferFunction tf, const std::pair<doub
 
 // Opaque 8-bit colours, blue first, row 0 at the bottom; an x-ray's integrals become colours over
 // `xray_range`.
-std::vector<std::uint8_t> to_display(const Image& image, const Scene& scene,
+std::vector<std::uint8_t> to_display(const Image& image, const PictureJob& job,
                                      const std::pair<double, double>& xray_range);
 
 }  // namespace ovoid::viewer

@@ -65,7 +65,7 @@ std::vector<BetweenSheets> measure_between_sheets(std::int64_t size, int pixels)
     const double spacing = subject.field.default_sampling_distance();
     options.sampling_distance = spacing / kFineSheets;
     options.classification = Classification::kSampled;
-    const Image fine = renderer.render(subject.field, camera, subject.look, options).image;
+    const Image fine = renderer.render({subject.field, subject.look}, camera, options).image;
     for (const Classification classification :
          {Classification::kSampled, Classification::kPreintegrated, Classification::kRefined}) {
       for (const double sheets : {0.5, 1.0, 2.0, 4.0}) {
@@ -75,7 +75,7 @@ std::vector<BetweenSheets> measure_between_sheets(std::int64_t size, int pixels)
             subject.name, classification, sheets, 0, std::numeric_limits<double>::infinity(), {}};
         for (int n = 0; n < kRepeats; ++n) {
           const std::clock_t start = std::clock();
-          row.image = renderer.render(subject.field, camera, subject.look, options).image;
+          row.image = renderer.render({subject.field, subject.look}, camera, options).image;
           row.cpu_ms = std::min(row.cpu_ms,
                                 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
         }

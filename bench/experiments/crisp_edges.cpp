@@ -50,7 +50,7 @@ Image draw_post(double zoom, int pixels) {
   options.width = pixels;
   options.height = pixels;
   const LatticeField field = field_of(dataset_of({kSize, kSize, kSize}, &box), default_choice());
-  return Renderer(Backend::kCpu).render(field, camera, look, options).image;
+  return Renderer(Backend::kCpu).render({field, look}, camera, options).image;
 }
 
 // Each sample is classified; opacity and colour times opacity are fields of the same kernel. The

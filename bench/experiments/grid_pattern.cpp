@@ -73,7 +73,7 @@ GridPattern measure_grid_pattern(const KernelChoice& choice, const GridPatternOp
   render.gradient = options.gradient;
 
   GridPattern result;
-  result.image = Renderer(Backend::kCpu).render(field, camera, matte(), render).image;
+  result.image = Renderer(Backend::kCpu).render({field, matte()}, camera, render).image;
   double sum = 0;
   double squares = 0;
   double count = 0;

@@ -42,7 +42,7 @@ TimedFrame best_of(Renderer& renderer, const LatticeField& field, const Look& lo
   TimedFrame best{{}, std::numeric_limits<double>::infinity()};
   for (int n = 0; n < kCostRepeats; ++n) {
     const std::clock_t start = std::clock();
-    Frame frame = renderer.render(field, camera, look, options);
+    Frame frame = renderer.render({field, look}, camera, options);
     const double cpu_ms = 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     if (cpu_ms < best.cpu_ms) best = {std::move(frame.image), cpu_ms};
   }
@@ -67,7 +67,7 @@ std::vector<PictureCost> measure_picture_cost(std::int64_t size, int pixels) {
   Renderer renderer(Backend::kCpu);
   RenderOptions options = square(pixels);
   options.sampling_distance = spacing / 8;
-  const Image fine = renderer.render(field, three_quarter_view(field), look, options).image;
+  const Image fine = renderer.render({field, look}, three_quarter_view(field), options).image;
 
   std::vector<PictureCost> rows;
   for (const Slab slab : {Slab::kMid, Slab::kMean}) {

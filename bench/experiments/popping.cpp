@@ -100,7 +100,7 @@ Turn turn_renderer(const TurnOptions& options) {
     camera.parallel_projection = true;
     camera.parallel_scale = kHalfHeight;
     camera.azimuth(degrees);
-    return renderer.render(field, camera, look, render).image;
+    return renderer.render({field, look}, camera, render).image;
   });
 }
 

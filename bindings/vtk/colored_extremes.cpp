@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "ovoid/depth_limits.h"
-#include "ovoid/further_volumes.h"
 #include "ovoid/look.h"
 #include "ovoid/sampler.h"
 #include "rays.h"
@@ -46,13 +45,15 @@ DepthLimits spans_around(const Image& image, double sheets) {
 // of the field meet: kernels there have too little weight. An extreme may still be met there.
 class PlaceColors {
  public:
-  PlaceColors(const LatticeField& field, const std::vector<FurtherVolume>& colors)
-      : world_from_index_(field.geometry().world_from_index), colors_(colors) {
+  explicit PlaceColors(const Scene& scene)
+      : colors_(scene.volumes.begin() + 1, scene.volumes.end()) {
+    const LatticeField& field = *scene.volumes.front().field.lattice();
+    world_from_index_ = field.geometry().world_from_index;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       last_[static_cast<Eigen::Index>(axis)] = static_cast<double>(field.geometry().dims[axis]) - 1;
     }
-    probes_.reserve(colors.size());
-    for (const FurtherVolume& color : colors) probes_.emplace_back(Field(color.field));
+    probes_.reserve(colors_.size());
+    for (const Volume& color : colors_) probes_.emplace_back(color.field);
   }
 
   // Of a place beyond the outermost samples those of the nearest within.
@@ -70,7 +71,7 @@ class PlaceColors {
 
  private:
   Affine3 world_from_index_;
-  const std::vector<FurtherVolume>& colors_;
+  std::vector<Volume> colors_;
   std::vector<FieldProbe> probes_;
   Vec3 last_;
 };
@@ -85,14 +86,16 @@ Look opaque_look() {
 
 }  // namespace
 
-double color_extremes(Renderer& renderer, const Field& field, const View& view,
+double color_extremes(Renderer& renderer, const Scene& scene, const View& view,
                       const RenderOptions& options, Image* image) {
-  const Look look = opaque_look();
+  Scene colored = scene;
+  Volume& first = colored.volumes.front();
+  first.look = opaque_look();
+  colored.mixing = Mixing::kColored;
   RenderOptions of_colors = options;
-  of_colors.mixing = Mixing::kColored;
   of_colors.depth_limits = std::make_shared<const DepthLimits>(
-      spans_around(*image, sheet_distance(field, look, options)));
-  const Frame colors = renderer.render(field, view.camera, look, of_colors);
+      spans_around(*image, sheet_distance(first.field, first.look, options)));
+  const Frame colors = renderer.render(colored, view.camera, of_colors);
   std::optional<PlaceColors> places;
   const Rays rays(view);
   for (std::size_t pixel = 0; pixel < image->depth.size(); ++pixel) {
@@ -103,7 +106,7 @@ double color_extremes(Renderer& renderer, const Field& field, const View& view,
       for (std::size_t c = 0; c < 3; ++c) rgba[c] *= color[c] / color[3];
       continue;
     }
-    if (!places) places.emplace(*field.lattice(), *options.further);
+    if (!places) places.emplace(scene);
     const auto column = static_cast<int>(pixel % static_cast<std::size_t>(image->width));
     const auto row = static_cast<int>(pixel / static_cast<std::size_t>(image->width));
     Vec3 origin, direction;

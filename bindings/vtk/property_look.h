@@ -3,10 +3,10 @@
 #pragma once
 
 #include "ovoid/field.h"
-#include "ovoid/geometry.h"
 #include "ovoid/image.h"
 #include "ovoid/look.h"
 #include "ovoid/math.h"
+#include "ovoid/scene.h"
 #include "vtk_arrays.h"
 
 class vtkColorTransferFunction;

@@ -199,31 +199,4 @@ void limits_before(std::span<const float> depths, const View& view, DepthLimits*
   limits->stops.resize(static_cast<std::size_t>(stop - begin));
 }
 
-DepthLimits intersection(const DepthLimits& a, const DepthLimits& b) {
-  DepthLimits both;
-  both.width = a.width;
-  both.height = a.height;
-  both.coverage = !a.coverage.empty() ? a.coverage : b.coverage;
-  both.first.reserve(a.first.size());
-  both.first.push_back(0);
-  for (int y = 0; y < a.height; ++y) {
-    for (int x = 0; x < a.width; ++x) {
-      const auto of_a = a.of_pixel(x, y), of_b = b.of_pixel(x, y);
-      bool is_in_a = false, is_in_b = false, is_drawn = false;
-      for (std::size_t i = 0, k = 0; i < of_a.size() || k < of_b.size();) {
-        const bool is_next_a =
-            k == of_b.size() || (i < of_a.size() && of_a[i].depth <= of_b[k].depth);
-        const DepthLimits::Stop& stop = is_next_a ? of_a[i++] : of_b[k++];
-        (is_next_a ? is_in_a : is_in_b) = stop.is_field_behind;
-        const bool is_next = is_in_a && is_in_b;
-        if (is_next == is_drawn) continue;
-        is_drawn = is_next;
-        both.stops.push_back({stop.depth, is_drawn, stop.is_seam, {}});
-      }
-      end_pixel(both);
-    }
-  }
-  return both;
-}
-
 }  // namespace ovoid::mappers

@@ -47,7 +47,4 @@ DepthLimits box_limits(const Bounds3& world, const View& view);
 // memory is used again.
 void limits_before(std::span<const float> depths, const View& view, DepthLimits* limits);
 
-// Spans and stops of both: the field where both draw it. Of the same size.
-DepthLimits intersection(const DepthLimits& a, const DepthLimits& b);
-
 }  // namespace ovoid::mappers

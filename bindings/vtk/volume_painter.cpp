@@ -32,10 +32,7 @@
 #include "colored_extremes.h"
 #include "grid_dataset.h"
 #include "ovoid/error.h"
-#include "ovoid/further_volumes.h"
-#include "ovoid/geometry.h"
 #include "ovoid/model.h"
-#include "ovoid/render_mesh.h"
 #include "placed_lattice.h"
 #include "point_set_dataset.h"
 #include "property_look.h"
@@ -266,8 +263,7 @@ RenderOptions VolumePainter::options_for(const MapperSettings& settings,
 }
 
 void VolumePainter::add_limits(vtkRenderer* renderer, const MapperSettings& settings,
-                               const Affine3& world_from_data, const Look& look,
-                               RenderOptions* options) {
+                               const Affine3& world_from_data, RenderOptions* options) {
   std::shared_ptr<const DepthLimits> limits;
   const auto narrow = [&](DepthLimits other) {
     limits = std::make_shared<const DepthLimits>(limits ? intersection(*limits, other)
@@ -284,13 +280,6 @@ void VolumePainter::add_limits(vtkRenderer* renderer, const MapperSettings& sett
   if (settings.cropping && !is_one_box(*settings.cropping))
     narrow(region_limits(*settings.cropping, world_from_data, view_));
   if (settings.owned) narrow(box_limits(*settings.owned, view_));
-  if (surface_ != nullptr) {
-    const Watch drawing;
-    DepthLimits boundary = boundary_limits(*surface_, view_.camera, look, {0, false}, *options,
-                                           renderer_for(settings).threads());
-    times_.renderer += drawing.seconds();
-    narrow(std::move(boundary));
-  }
   options->depth_limits = std::move(limits);
 }
 
@@ -363,30 +352,31 @@ Look VolumePainter::look_of(vtkVolume* volume, std::size_t component, const Fiel
 
 // VTK's sum of independent components' colours is nearest to what Mixing::kAdded shows, and in the
 // modes maximum and minimum the same. What ADDITIVE_BLEND adds are extinctions.
-void VolumePainter::add_further(vtkRenderer* renderer, vtkVolume* volume,
-                                const MapperSettings& settings, RenderOptions* options) const {
-  if (further_.empty()) return;
+Scene VolumePainter::scene_of(vtkRenderer* renderer, vtkVolume* volume,
+                              const MapperSettings& settings) const {
+  Scene scene;
+  const auto add = [&](const Field& field) {
+    Look look = look_of(volume, scene.volumes.size(), field, settings);
+    take_lights(renderer, field.world_bounds().center(), &look);
+    scene.volumes.push_back({field, std::move(look)});
+  };
+  add(field_);
+  scene.volumes.front().boundary = surface_;
+  if (further_.empty()) return scene;
   require_several(settings.blend_mode, further_.size() + 1, drawn_.are_dependent);
-  options->mixing = drawn_.are_dependent                                     ? Mixing::kColored
-                    : settings.blend_mode == vtkVolumeMapper::ADDITIVE_BLEND ? Mixing::kAveraged
-                                                                             : Mixing::kAdded;
-  std::vector<FurtherVolume> volumes;
-  volumes.reserve(further_.size());
-  for (std::size_t i = 0; i < further_.size(); ++i) {
-    const Field field(further_[i]);
-    volumes.push_back({further_[i], look_of(volume, i + 1, field, settings)});
-    take_lights(renderer, field.world_bounds().center(), &volumes.back().look);
-  }
-  options->further = further_volumes(std::move(volumes));
+  scene.mixing = drawn_.are_dependent                                     ? Mixing::kColored
+                 : settings.blend_mode == vtkVolumeMapper::ADDITIVE_BLEND ? Mixing::kAveraged
+                                                                          : Mixing::kAdded;
+  for (const LatticeField& further : further_) add(Field(further));
+  return scene;
 }
 
 // The library's planes clip the field alone, VTK's the slice, too.
-Frame VolumePainter::draw_slice(vtkVolume* volume, const Look& look, const RenderOptions& options,
+Frame VolumePainter::draw_slice(vtkVolume* volume, Scene scene, const RenderOptions& options,
                                 const MapperSettings& settings) {
-  Scenery scenery;
-  scenery.slices = {slice_of(volume->GetProperty(), look)};
-  Look unseen = look;
-  unseen.transfer_function.opacities = {{0, 0}};
+  Look& look = scene.volumes.front().look;
+  scene.slices = {slice_of(volume->GetProperty(), look)};
+  look.transfer_function.opacities = {{0, 0}};
   RenderOptions alone = options;
   alone.sheets = Sheets::kImage;
   alone.clip_planes.clear();
@@ -395,18 +385,17 @@ Frame VolumePainter::draw_slice(vtkVolume* volume, const Look& look, const Rende
     if (options.depth_limits != nullptr) planes = intersection(*options.depth_limits, planes);
     alone.depth_limits = std::make_shared<const DepthLimits>(std::move(planes));
   }
-  return render_with_scenery(renderer_for(settings), field_, view_.camera, unseen, scenery, alone);
+  return renderer_for(settings).render(scene, view_.camera, alone);
 }
 
-Frame VolumePainter::draw_extremes(const Look& look, const RenderOptions& options,
+Frame VolumePainter::draw_extremes(const Scene& scene, const RenderOptions& options,
                                    const MapperSettings& settings) {
   RenderOptions alone = options;
   alone.sheets = Sheets::kImage;  // on which a pixel's depth is on its own ray
-  alone.further = nullptr;
   Renderer& renderer = renderer_for(settings);
-  Frame frame = renderer.render(field_, view_.camera, look, alone);
-  alone.further = options.further;
-  times_.renderer += 1e-3 * color_extremes(renderer, field_, view_, alone, &frame.image);
+  const Volume& first = scene.volumes.front();
+  Frame frame = renderer.render({first.field, first.look}, view_.camera, alone);
+  times_.renderer += 1e-3 * color_extremes(renderer, scene, view_, alone, &frame.image);
   return frame;
 }
 
@@ -442,18 +431,16 @@ void VolumePainter::draw(vtkRenderer* renderer, vtkVolume* volume, vtkDataSet* d
   prepare(volume, data, settings);
   const Affine3 world_from_data = matrix_of(volume);
   const Watch drawing;
-  Look look = look_of(volume, 0, field_, settings);
-  take_lights(renderer, field_.world_bounds().center(), &look);
+  Scene scene = scene_of(renderer, volume, settings);
   image_distance_ = distance;
   view_ = coarser(view_, distance);
   RenderOptions options = options_for(settings, world_from_data);
-  add_further(renderer, volume, settings, &options);
-  add_limits(renderer, settings, world_from_data, look, &options);
+  add_limits(renderer, settings, world_from_data, &options);
   const bool is_slice = settings.blend_mode == vtkVolumeMapper::SLICE_BLEND;
-  Frame frame = is_slice ? draw_slice(volume, look, options, settings)
-                : drawn_.are_dependent && look.mode == Mode::kMaximum
-                    ? draw_extremes(look, options, settings)
-                    : renderer_for(settings).render(field_, view_.camera, look, options);
+  const bool is_colored = drawn_.are_dependent && scene.volumes.front().look.mode == Mode::kMaximum;
+  Frame frame = is_slice     ? draw_slice(volume, std::move(scene), options, settings)
+                : is_colored ? draw_extremes(scene, options, settings)
+                             : renderer_for(settings).render(scene, view_.camera, options);
   times_.renderer += 1e-3 * frame.profile.frame_ms;
   if (settings.blend_mode == vtkVolumeMapper::ADDITIVE_BLEND) show_sums(&frame.image);
   image_ = std::move(frame.image);

@@ -103,17 +103,17 @@ class VolumePainter {
   // Of the component of drawn_ that `field` is of.
   Look look_of(vtkVolume* volume, std::size_t component, const Field& field,
                const MapperSettings& settings) const;
-  void add_further(vtkRenderer* renderer, vtkVolume* volume, const MapperSettings& settings,
-                   RenderOptions* options) const;
-  Frame draw_slice(vtkVolume* volume, const Look& look, const RenderOptions& options,
+  // All components, without limits.
+  Scene scene_of(vtkRenderer* renderer, vtkVolume* volume, const MapperSettings& settings) const;
+  Frame draw_slice(vtkVolume* volume, Scene scene, const RenderOptions& options,
                    const MapperSettings& settings);
   // Of dependent components, in two frames.
-  Frame draw_extremes(const Look& look, const RenderOptions& options,
+  Frame draw_extremes(const Scene& scene, const RenderOptions& options,
                       const MapperSettings& settings);
   Renderer& renderer_for(const MapperSettings& settings);
   RenderOptions options_for(const MapperSettings& settings, const Affine3& world_from_data) const;
   void add_limits(vtkRenderer* renderer, const MapperSettings& settings,
-                  const Affine3& world_from_data, const Look& look, RenderOptions* options);
+                  const Affine3& world_from_data, RenderOptions* options);
   bool is_minified() const;
   double farthest_depth() const;
   double image_distance_for(vtkVolume* volume, double greatest) const;

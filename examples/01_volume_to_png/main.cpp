@@ -9,7 +9,7 @@ int main(int argc, char** argv) try {
   const auto field = ovoid::make_field(ovoid::read_dataset({argv[1]}));
   const auto camera = ovoid::default_camera(field.world_bounds());
   const auto look = ovoid::default_look(field);
-  const auto frame = ovoid::Renderer{}.render(field, camera, look);
+  const auto frame = ovoid::Renderer{}.render({field, look}, camera);
   ovoid::write_image(frame.image, argv[2]);
 } catch (const ovoid::Error& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;

@@ -48,7 +48,7 @@ int main(int argc, char** argv) try {
       {"brightest", brightest}};
   ovoid::Renderer renderer;  // keeps its threads from picture to picture
   for (const auto& [name, look] : looks) {
-    ovoid::write_image(renderer.render(field, camera, look).image, prefix + "-" + name + ".png");
+    ovoid::write_image(renderer.render({field, look}, camera).image, prefix + "-" + name + ".png");
   }
 } catch (const ovoid::Error& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;

@@ -23,7 +23,7 @@ int main(int argc, char** argv) try {
     if (!look) look = ovoid::default_look(field, dataset.array().unit);
 
     const std::string path = argv[argc - 1] + std::to_string(step) + ".png";
-    ovoid::write_image(renderer.render(field, camera, *look).image, path);
+    ovoid::write_image(renderer.render({field, *look}, camera).image, path);
     if (dataset.times.empty()) {
       std::printf("step %lld: %s\n", static_cast<long long>(step), path.c_str());
     } else {

@@ -99,7 +99,7 @@ int main(int argc, char** argv) try {
   look.transfer_function = ovoid::color_map("viridis");
   look.transfer_function.map_range(-1.5, 1.5);
   look.transfer_function.opacities = {{0.9, 0.0}, {1.1, 0.9}};
-  const auto frame = ovoid::Renderer{}.render(field, camera, look);
+  const auto frame = ovoid::Renderer{}.render({field, look}, camera);
   ovoid::write_image(frame.image, argv[1]);
   std::printf("%lld of %lld kernels were in bricks that could show\n",
               static_cast<long long>(frame.profile.kernels_drawn),

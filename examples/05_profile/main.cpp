@@ -11,10 +11,10 @@ int main(int argc, char** argv) try {
   const auto look = ovoid::default_look(field);
   ovoid::Renderer renderer;
   ovoid::RenderOptions options;
-  renderer.render(field, camera, look, options);  // warms up
+  renderer.render({field, look}, camera, options);  // warms up
 
   options.collect_profile = true;  // timers in every stage cost a few per cent
-  const ovoid::FrameProfile p = renderer.render(field, camera, look, options).profile;
+  const ovoid::FrameProfile p = renderer.render({field, look}, camera, options).profile;
   std::printf("%s (%s), %d threads: %.1f ms\n", p.backend.c_str(), p.simd_target.c_str(), p.threads,
               p.frame_ms);
   for (const auto& [stage, ms] : p.stages_ms) std::printf("  %-12s %8.1f ms\n", stage.c_str(), ms);
@@ -26,7 +26,7 @@ int main(int argc, char** argv) try {
   options.collect_profile = false;
   for (const double sheets : {0.5, 1.0, 2.0, 4.0}) {
     options.sampling_distance = field.default_sampling_distance() / sheets;
-    const double ms = renderer.render(field, camera, look, options).profile.frame_ms;
+    const double ms = renderer.render({field, look}, camera, options).profile.frame_ms;
     std::printf("%4.1f sheets per spacing: %8.1f ms\n", sheets, ms);
   }
 } catch (const ovoid::Error& error) {

@@ -25,7 +25,7 @@ class BackgroundFrame {
       // Only the rectangle of this tile may be read from tile.image; here it is counted.
       hooks.tile_done = [this](const ovoid::TileDone& /*tile*/) { ++num_tiles_; };
       try {
-        frame_ = ovoid::Renderer{}.render(field, camera, look, {}, hooks);
+        frame_ = ovoid::Renderer{}.render({field, look}, camera, {}, hooks);
       } catch (const ovoid::Error& error) {
         if (error.code() != ovoid::ErrorCode::kCancelled)
           std::fprintf(stderr, "%s\n", error.what());

@@ -60,7 +60,7 @@ int main(int argc, char** argv) try {
   auto look = ovoid::ramp_look(field.value_range(), "viridis");
   look.transfer_function.opacities = {{0, 0.9}};  // the same everywhere
   look.shade = false;
-  const auto frame = ovoid::Renderer{}.render(field, camera, look);
+  const auto frame = ovoid::Renderer{}.render({field, look}, camera);
   ovoid::write_image(frame.image, argv[1], ovoid::Rgb{1, 1, 1});
 } catch (const ovoid::Error& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;

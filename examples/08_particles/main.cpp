@@ -58,7 +58,7 @@ int main(int argc, char** argv) try {
   model.kernels.color_array = "temperature";
   const auto field = ovoid::make_field(spiral(), model);
   const auto camera = ovoid::default_camera(field.world_bounds());
-  const auto frame = ovoid::Renderer{}.render(field, camera, ovoid::default_look(field));
+  const auto frame = ovoid::Renderer{}.render({field, ovoid::default_look(field)}, camera);
   ovoid::write_image(frame.image, argv[1], ovoid::Rgb{0, 0, 0});
 } catch (const ovoid::Error& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;

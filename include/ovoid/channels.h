@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Channels of one stack, each in a colour, and volumes of red, green and blue: looks for what
-// RenderOptions::further and Mixing draw together (docs/two-volumes.md).
+// a scene of several volumes draws together (docs/two-volumes.md).
 #pragma once
 
 #include <cstddef>

@@ -45,4 +45,9 @@ struct DepthLimits {
   void validate() const;
 };
 
+// Spans and stops of both: the field where both draw it, without what is seen beside it. Of the
+// same size; the coverage is that of `a`, if it has one, else that of `b`. Cost: once over all
+// stops.
+DepthLimits intersection(const DepthLimits& a, const DepthLimits& b);
+
 }  // namespace ovoid

@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where to look from, and how near, so that what a look shows of a field fills the picture.
+// Where to look from, and how near, so that what a scene shows fills the picture.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "ovoid/camera.h"
 #include "ovoid/dataset.h"
 #include "ovoid/export.h"
 #include "ovoid/field.h"
-#include "ovoid/further_volumes.h"
-#include "ovoid/look.h"
 #include "ovoid/math.h"
 #include "ovoid/render_options.h"
-#include "ovoid/surface.h"
-#include "ovoid/trail.h"
+#include "ovoid/scene.h"
 
 namespace OVOID_API ovoid {
 
@@ -35,24 +31,20 @@ struct Framing {
   // Whatever way the camera is turned around its focal point afterwards, all stays in sight.
   bool is_for_turning = false;
   std::vector<ClipPlane> clip_planes;  // as in RenderOptions: what they cut away is not looked for
-  // As in RenderOptions: what their looks show of them is to fill the picture, too.
-  std::shared_ptr<const std::vector<FurtherVolume>> further{};
-  // As Renderer::render() draws it with the field: what it shows is to fill the picture, too.
-  const Trail* trail = nullptr;  // null: none
 };
 
-// The camera, moved but not turned, so that what the look shows of the field fills the picture.
+// The camera, moved but not turned, so that what a scene shows fills the picture: of its volumes
+// what their looks show, their trails, and of a mesh whose walls are seen (and that has no trail)
+// all of its boundary. Points show all, whatever the look makes of their values; where the look
+// shows nothing, what slices show counts.
 // What is as faint as a twentieth of the most opaque is passed over, and so are specks: a
 // thousandth of what shows, at each border. A trail is fainter than what leaves it, so both are
 // judged each by itself; what is under 2 % opaque of a trail does not count.
 // The focal point is in the middle of what shows;
 // `parallel_scale` is set for both projections. If nothing shows, the camera as it is. The same on
 // all machines: found by adding up the opacity of some hundred thousand samples, no picture is
-// drawn. Cost: some ten milliseconds. Throws Error(kInvalidArgument) for an invalid camera or
-// framing, and what the field's source throws.
-Camera framed(Camera camera, const Field& field, const Look& look, const Framing& framing = {});
-
-// As framed() of a field, for all of the surface that is not cut away.
-Camera framed(Camera camera, const Surface& surface, const Framing& framing = {});
+// drawn. Cost: some ten milliseconds. Throws Error(kInvalidArgument) for an invalid scene, camera
+// or framing, and what the field's source throws.
+Camera framed(Camera camera, const Scene& scene, const Framing& framing = {});
 
 }  // namespace ovoid

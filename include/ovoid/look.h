@@ -25,6 +25,8 @@ struct Material {
   double diffuse = 0.7;
   double specular = 0.2;
   double specular_power = 10.0;  // > 0
+
+  bool operator==(const Material&) const = default;
 };
 
 // What falls on the volume (docs/numerics.md, "Light"). Lights are white.
@@ -37,6 +39,32 @@ enum class Light {
 struct FurtherLight {
   Vec3 direction = Vec3::UnitZ();  // world, from the object towards the light, of any length
   double intensity = 1.0;          // share of a single light's, in [0, 10]
+
+  bool operator==(const FurtherLight&) const = default;
+};
+
+// The light in a picture.
+struct Lighting {
+  Light light = Light::kSingle;
+  // World, from the object towards the light, or the studio's key light. None: a headlight (along
+  // each ray to the eye); of the studio: from above left of the camera, with which it moves.
+  std::optional<Vec3> light_direction;
+  // Lights beside that one. They reach both sides of a surface alike, cast no shadows, and are
+  // weakened by occlusion as the soft light is.
+  static constexpr std::size_t kMaxFurtherLights = 4;
+  std::vector<FurtherLight> further_lights;
+  // Shares, in [0, 1], of what a coarse volume of light tells (docs/numerics.md, "Light from a
+  // coarse volume"), composite and isosurface only. `occlusion`: ambient light, a headlight, and
+  // the studio's soft light are weaker where much lies around. `shadows`: so is the key light, or a
+  // single one with a direction, behind what lies on its way. `scatter`: of what shadows take away,
+  // this share of what comes round the corner is given back. Of looks that are not lit (`shade`)
+  // both darken the colours, shadows those that lie behind what the studio's key light, or a single
+  // one with a direction, would have to pass.
+  double occlusion = 0.0;
+  double shadows = 0.0;
+  double scatter = 0.0;
+
+  bool operator==(const Lighting&) const = default;
 };
 
 // One of several surfaces of mode kIsosurface.
@@ -46,8 +74,8 @@ struct Isosurface {
   double opacity = 1.0;        // of one crossing, in [0, 1]
 };
 
-// Everything about appearance: classification, light, mode.
-struct Look {
+// Everything about appearance: classification, material, light, mode.
+struct Look : Lighting {
   TransferFunction transfer_function;
   // For fields whose colour comes from an attribute of its own (KernelField::has_own_color()): its
   // colours, over that attribute's values, stand for the transfer function's. None: the transfer
@@ -68,30 +96,15 @@ struct Look {
   static constexpr std::size_t kMaxIsosurfaces = 16;
   bool shade = true;  // composite and isosurface only
   Material material;
-  Light light = Light::kSingle;
-  // World, from the object towards the light, or the studio's key light. None: a headlight (along
-  // each ray to the eye); of the studio: from above left of the camera, with which it moves.
-  std::optional<Vec3> light_direction;
-  // Lights beside that one. They reach both sides of a surface alike, cast no shadows, and are
-  // weakened by occlusion as the soft light is.
-  static constexpr std::size_t kMaxFurtherLights = 4;
-  std::vector<FurtherLight> further_lights;
   // Where the field rises, over its smallest spacing, by less than this share of the transfer
   // function's span, light fades to that of a flat region: there normals are noise. In [0, 1].
   // (An isosurface, which is asked for, is lit from 1e-4 of the field's range on.)
   double flat_rise = 1e-4;
-  // Shares, in [0, 1], of what a coarse volume of light tells (docs/numerics.md, "Light from a
-  // coarse volume"), composite and isosurface only. `occlusion`: ambient light, a headlight, and
-  // the studio's soft light are weaker where much lies around. `shadows`: so is the key light, or a
-  // single one with a direction, behind what lies on its way. `scatter`: of what shadows take away,
-  // this share of what comes round the corner is given back. Of looks that are not lit (`shade`)
-  // both darken the colours, shadows those that lie behind what the studio's key light, or a single
-  // one with a direction, would have to pass.
-  double occlusion = 0.0;
-  double shadows = 0.0;
-  double scatter = 0.0;
   double unit_distance = 0.0;  // world length of the opacities; 0: the transfer function's own,
                                // else default_unit_distance()
+
+  Lighting& lighting() noexcept { return *this; }
+  const Lighting& lighting() const noexcept { return *this; }
 
   // Throws Error(kInvalidArgument) that names the member.
   void validate() const;

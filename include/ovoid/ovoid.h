@@ -4,7 +4,7 @@
 //   auto field = ovoid::make_field(ovoid::read_dataset({"head.nrrd"}));
 //   auto camera = ovoid::default_camera(field.world_bounds());
 //   auto look = ovoid::default_look(field);
-//   auto frame = ovoid::Renderer{}.render(field, camera, look);
+//   auto frame = ovoid::Renderer{}.render({field, look}, camera);
 //   ovoid::write_image(frame.image, "head.png");
 #pragma once
 
@@ -22,8 +22,6 @@
 #include "ovoid/field.h"
 #include "ovoid/fit.h"
 #include "ovoid/framing.h"
-#include "ovoid/further_volumes.h"
-#include "ovoid/geometry.h"
 #include "ovoid/hyperslice.h"
 #include "ovoid/image.h"
 #include "ovoid/io.h"
@@ -42,21 +40,17 @@
 #include "ovoid/output_files.h"
 #include "ovoid/pick.h"
 #include "ovoid/relevant.h"
-#include "ovoid/render_mesh.h"
 #include "ovoid/render_options.h"
-#include "ovoid/render_points.h"
-#include "ovoid/render_surface.h"
 #include "ovoid/renderer.h"
 #include "ovoid/resample.h"
 #include "ovoid/sampler.h"
+#include "ovoid/scene.h"
 #include "ovoid/series.h"
 #include "ovoid/simplify.h"
 #include "ovoid/slices.h"
 #include "ovoid/solid.h"
 #include "ovoid/space_part.h"
 #include "ovoid/surface.h"
-#include "ovoid/trail.h"
 #include "ovoid/transfer_function.h"
 #include "ovoid/transfer_function_2d.h"
-#include "ovoid/value_plane.h"
 #include "ovoid/version.h"

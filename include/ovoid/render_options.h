@@ -12,7 +12,6 @@
 namespace OVOID_API ovoid {
 
 class Field;
-struct FurtherVolume;
 struct Look;
 
 // What a sample stands for: the field on its slab's middle plane, or the slab's mean
@@ -66,14 +65,6 @@ enum class SheetPrecision { kSingle, kHalf };
 // looks at the frame alone. Kernel sets, and the vulkan back end, have image sheets.
 enum class Sheets { kAuto, kImage, kLattice };
 
-// What a picture of several volumes shows at a place (docs/numerics.md, "Several volumes").
-//   kAveraged   extinctions add, colours are mixed in proportion to them: fogs in one room
-//   kAdded      the greatest extinction; colours add in proportion to theirs: lights of one stain
-//               each, as the channels of a microscope are
-//   kColored    the field's own extinction and light; the further volumes, on its lattice, are its
-//               colours, which add: a volume of red, green and blue
-enum class Mixing { kAveraged, kAdded, kColored };
-
 // A half space: points with dot(normal, x) >= offset are kept (world). `normal` need not have unit
 // length.
 struct ClipPlane {
@@ -81,7 +72,7 @@ struct ClipPlane {
   double offset = 0;
 };
 
-// What one frame is computed from beside field, camera and look. The default is valid.
+// What one frame is computed from beside scene and camera. The default is valid.
 struct RenderOptions {
   int width = 1024;  // pixels, 1 to kMaxImageSide
   int height = 768;
@@ -102,11 +93,6 @@ struct RenderOptions {
   // Draws what this part of space has of the picture, into Frame::seen; null: the whole. On image
   // sheets alone, and in pictures without a trail or value plane.
   std::shared_ptr<const SpacePart> part;
-  // Volumes drawn with the field, a lattice then; null: none (further_volumes.h). At most
-  // kMostFurtherVolumes. Without a trail, with post-convolution off or auto; in mode composite, not
-  // on the vulkan back end, or, of whole pictures, in the modes maximum and minimum.
-  std::shared_ptr<const std::vector<FurtherVolume>> further;
-  Mixing mixing = Mixing::kAveraged;  // of the field and these
   bool skip_irrelevant = true;  // off: every block is reconstructed (time changes, pixels do not)
   // Off: covered samples are still worked out (time changes, pixels do not).
   bool stop_opaque = true;

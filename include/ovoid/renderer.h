@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -14,18 +15,26 @@
 #include "ovoid/deep_image.h"
 #include "ovoid/devices.h"
 #include "ovoid/export.h"
-#include "ovoid/field.h"
 #include "ovoid/image.h"
 #include "ovoid/kernel_team.h"
-#include "ovoid/look.h"
 #include "ovoid/render_options.h"
-#include "ovoid/trail.h"
+#include "ovoid/scene.h"
 
 namespace OVOID_API ovoid {
 
 // kAuto: vulkan where there is a hardware device, else cpu; and cpu, with a notice, for what the
 // device fails to draw.
 enum class Backend { kAuto, kCpu, kVulkan, kReference };
+
+// A feature of scenes and options, and which back ends draw it. What a device does not draw is
+// drawn by the cpu under kAuto, with a notice; asked for by name, a back end refuses it. Points,
+// opaque walls and surfaces without volumes are drawn by the host alone, whatever the back end.
+struct BackEndFeature {
+  const char* name;  // as messages have it
+  bool by_reference, by_cpu, by_vulkan;
+};
+// All of them, in an order for people.
+std::span<const BackEndFeature> back_end_features();
 
 // A finished rectangle of the picture, passed to the tile sink while the rest is still drawn.
 struct TileDone {
@@ -106,13 +115,13 @@ struct RendererSetup {
   VulkanSetup vulkan{};
 };
 
-// Draws fields. Holds what outlives a frame: worker threads, and what a back end keeps of a field.
+// Draws scenes. Holds what outlives a frame: worker threads, and what a back end keeps of a field.
 // One render() at a time per renderer; several renderers may be used from several threads.
 class Renderer {
  public:
   // Throws Error: kInvalidArgument, also for a device where none draws and for a SIMD target that
-  // is not there; kUnsupported if kVulkan is
-  // asked for and there is no loader, no device, or none that has what is needed.
+  // is not there; kUnsupported if kVulkan is asked for and there is no loader, no device, or none
+  // that has what is needed.
   explicit Renderer(const RendererSetup& setup);
   explicit Renderer(Backend backend = Backend::kAuto, int threads = 0)
       : Renderer(RendererSetup{.backend = backend, .threads = threads}) {}
@@ -122,24 +131,21 @@ class Renderer {
 
   int threads() const noexcept;  // of the host that it would use; the system may grant fewer
 
-  // One picture. The same arguments give the same bytes, whatever the number of threads. Throws
-  // Error: invalid camera, look or options; kCancelled; what the field's brick source throws. Cost:
-  // in proportion to the visible, relevant samples.
-  Frame render(const Field& field, const Camera& camera, const Look& look,
-               const RenderOptions& options = {}, const RenderHooks& hooks = {});
-
-  // The same of a field with a trail; modes kComposite and kIsosurface. Opacities of the trail are
-  // over the look's unit distance, if it has one. Counts of the profile are of all fields. Of
-  // lattices PostConvolution::kAuto is kOff here, and there are no depth limits; those of a kernel
-  // field do not hold for its trail. Throws what the other throws; Error: kInvalidArgument for a
-  // trail on another lattice or of moments that are not alike, kUnsupported for other modes, fields
-  // and ways of post-convolution, and kernel fields on kVulkan. Cost: all fields'; where limits
-  // cover parts of pixels, the trail's twice. Source: [Neophytou 2006, section 2.2].
-  Frame render(const Field& field, const Camera& camera, const Look& look, const Trail& trail,
-               const RenderOptions& options = {}, const RenderHooks& hooks = {});
+  // One picture: render({field, look}, camera) of one volume. The same arguments give the same
+  // bytes, whatever the number of threads. Surfaces, slices, labels and the boundary of a mesh are
+  // found by the host and come into the frame as depth limits (RenderOptions::depth_limits), which
+  // they join; points, opaque walls and surfaces without volumes are drawn by the host alone.
+  // Outlines are smooth. A depth is where opacity first reaches 1/2, the front depth where
+  // something first is seen. Counts of the profile are of all that is drawn for the picture. Throws
+  // Error: kInvalidArgument for an invalid scene, camera or options; kUnsupported for what is not
+  // drawn together, or not by the back end; kCancelled; kOutOfMemory; what the field's brick source
+  // throws. Cost: in proportion to the visible, relevant samples; of surfaces to their triangles
+  // and the pixels that they cover, of a slice or value plane one sheet of samples, of labels about
+  // that of an isosurface of their size.
+  Frame render(const Scene& scene, const Camera& camera, const RenderOptions& options = {},
+               const RenderHooks& hooks = {});
 
  private:
-  friend struct SurfaceLight;  // of render_mesh()
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface of a mesh: where its cells end, and shells. make_surface() (model.h) makes it,
-// render_surface() draws it, boundary_limits() keeps a field within it.
+// Volume::boundary keeps a field within it and shows it, Geometry puts it into a scene (scene.h).
 #pragma once
 
 #include <array>

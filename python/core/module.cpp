@@ -23,6 +23,7 @@
 #include "film.h"
 #include "functions.h"
 #include "info.h"
+#include "ovoid/error.h"
 #include "ovoid/io.h"
 #include "ovoid/look.h"
 #include "ovoid/series.h"
@@ -315,7 +316,7 @@ void add_picture(py::module_& module) {
       .def_property_readonly("camera", [](const Picture& p) { return to_text(p.shot.camera); })
       .def_property_readonly("unturned", [](const Picture& p) { return to_text(p.unturned); })
       .def("cameras_along", cameras_along)
-      .def_property_readonly("look", [](const Picture& p) { return to_text(p.shot.look); })
+      .def_property_readonly("look", [](const Picture& p) { return to_text(p.shot.look()); })
       .def_property_readonly("values",
                              [](const Picture& p) {
                                return std::pair(p.values.lo,

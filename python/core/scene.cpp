@@ -69,16 +69,11 @@ std::string model_key_of(const Flags& flags, const DrawingFlags& drawing) {
 }
 
 // From where the flags turn and zoom the camera to where it is.
-Camera unturned_camera(const cli::Subject& subject, const cli::Shot& shot,
-                       const DrawingFlags& drawing) {
+Camera unturned_camera(const cli::Shot& shot, const DrawingFlags& drawing) {
   const double aspect = static_cast<double>(drawing.options.width) / drawing.options.height;
-  const Camera start =
-      cli::start_camera(drawing.camera, {.field = subject.modelled.field,
-                                         .look = shot.look,
-                                         .bounds = shot.described.box.world_bounds(),
-                                         .space = shot.described.space,
-                                         .aspect = aspect,
-                                         .clip_planes = {}});
+  const Camera start = cli::start_camera(
+      drawing.camera,
+      {shot.scene, shot.described.box.world_bounds(), shot.described.space, aspect, {}});
   return cli::unturned_camera(drawing.camera, start, shot.camera);
 }
 
@@ -227,11 +222,10 @@ std::shared_ptr<Picture> Scene::draw(const Asked& asked, Manner manner, Work& wo
   const Field& field = subject_->modelled.field;
   picture->shot = cli::make_shot(*subject_, &drawing, session);
   cli::Shot& shot = picture->shot;
-  const std::optional<Trail> trail =
-      cli::trail_of(request.data, drawing, subject_->modelled, outline_.step, shot.look, session);
-  cli::aim_camera(&shot, *subject_, drawing, trail ? &*trail : nullptr);
-  cli::FrameSubject drawn = cli::frame_subject(*subject_, shot, drawing);
-  if (trail) drawn.trail = &*trail;
+  Volume& volume = shot.scene.volumes.front();
+  volume.trail =
+      cli::trail_of(request.data, drawing, subject_->modelled, outline_.step, volume.look, session);
+  cli::aim_camera(&shot, drawing);
 
   RenderOptions options = drawing.options;
   options.collect_profile = manner.with_stages;
@@ -239,35 +233,35 @@ std::shared_ptr<Picture> Scene::draw(const Asked& asked, Manner manner, Work& wo
   hooks.stop = work.stop;
   hooks.progress = progress_of(work);
   picture->unit_distance =
-      shot.look.unit_distance > 0
-          ? shot.look.unit_distance
-          : shot.look.transfer_function.unit_distance.value_or(default_unit_distance(field));
+      volume.look.unit_distance > 0
+          ? volume.look.unit_distance
+          : volume.look.transfer_function.unit_distance.value_or(default_unit_distance(field));
   const bool is_field_alone =
-      !trail && drawn.plane == nullptr && drawn.surface == nullptr && !drawn.points;
+      !volume.trail && !volume.boundary && !volume.points && !shot.scene.plane;
   const int coarseness = is_field_alone ? coarsen(manner.coarseness, work) : 0;
-  // Opacities of a coarse field mean what they mean at the full one.
-  Look quick_look = shot.look;
-  if (coarseness > 0) quick_look.unit_distance = picture->unit_distance;
   options.sampling_distance *= std::exp2(coarseness);
-  const cli::FrameSubject quick{
-      .field = coarseness > 0 ? coarser_[static_cast<std::size_t>(coarseness) - 1] : field,
-      .look = quick_look,
-      .points = {}};
-  Frame frame = cli::draw_frame(renderer(request.flags, drawing.run),
-                                coarseness > 0 ? quick : drawn, shot.camera, options, hooks);
+  ovoid::Scene quick;
+  if (coarseness > 0) {
+    quick = shot.scene;
+    quick.volumes.front().field = coarser_[static_cast<std::size_t>(coarseness) - 1];
+    // Opacities of a coarse field mean what they mean at the full one.
+    quick.volumes.front().look.unit_distance = picture->unit_distance;
+  }
+  Frame frame = renderer(request.flags, drawing.run)
+                    .render(coarseness > 0 ? quick : shot.scene, shot.camera, options, hooks);
   session.check_stop();
   if (!frame.profile.notice.empty()) session.note(frame.profile.notice);
   cli::note_if_empty(frame.image, shot, field.value_range(), session);
 
-  picture->unturned = unturned_camera(*subject_, shot, drawing);
+  picture->unturned = unturned_camera(shot, drawing);
   picture->values = field.value_range();
   picture->sampling_distance = field.default_sampling_distance();
   picture->num_steps = outline_.num_steps;
   picture->step = outline_.step;
   picture->image = std::move(frame.image);
-  if (shot.look.mode == Mode::kXray || drawing.annotation.any()) {
+  if (shot.look().mode == Mode::kXray || drawing.annotation.any()) {
     Image seen = picture->image;
-    Look look = shot.look;  // the picture's own keeps its range
+    Look look = shot.look();  // the picture's own keeps its range
     cli::color_for_eyes(seen, look, drawing.look, session);
     cli::draw_annotations(seen, drawing.annotation, shot.described, shot.camera, look,
                           drawing.background);
@@ -280,15 +274,13 @@ std::shared_ptr<Picture> Scene::draw(const Asked& asked, Manner manner, Work& wo
   picture->is_series = source_.steps != nullptr && source_.steps->num_steps() > 1;
   picture->inputs = source_.inputs;
   picture->notes = work.notes;
-  picture->field = field;
-  picture->labels = subject_->scenery.labels;
   picture->pick_words = cli::pick_words(*subject_, shot, drawing.annotation);
   picture->drawing = std::move(drawing);
   return picture;
 }
 
 std::string picked(const Picture& picture, int x, int y) {
-  const cli::Picker picker(picture.field, picture.shot, picture.drawing.options, picture.labels);
+  const cli::Picker picker(picture.shot, picture.drawing.options);
   const cli::PickWords& words = picture.pick_words;
   nlohmann::ordered_json json = cli::pick_json(picker, picker.at(picture.image, x, y), words);
   json["unit"] = words.unit;
@@ -305,8 +297,8 @@ void save_picture(const Picture& picture, const std::string& path, std::stop_tok
   DrawingFlags drawing = picture.drawing;
   drawing.annotation = {};  // they are in the picture already
   Image image = cli::is_for_eyes(path) ? picture.seen() : picture.image;
-  cli::write_picture(image, drawing, picture.shot.described, picture.shot.camera, picture.shot.look,
-                     {path, std::move(stop)});
+  cli::write_picture(image, drawing, picture.shot.described, picture.shot.camera,
+                     picture.shot.look(), {path, std::move(stop)});
 }
 
 std::string encode_picture(const Picture& picture, const std::string& ending, int quality) {

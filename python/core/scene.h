@@ -51,8 +51,6 @@ struct Picture {
   double unit_distance = 0;      // of the look, world units
   std::int64_t num_steps = 1, step = 0;
   bool is_series = false;  // steps in memory
-  Field field;             // that is shown, with its data
-  LabelSurfaces labels;    // that are shown with it
   cli::PickWords pick_words;
 
   const Image& seen() const { return for_eyes ? *for_eyes : image; }

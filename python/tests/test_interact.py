@@ -278,6 +278,15 @@ def test_fields_that_are_coarse_for_a_while(array):
     smooth = scene._draw({**scene.settings, "kernel": "gaussian:2"}, False, None, 1).rgba
     assert abs(smooth - coarse).max() > 0.01
 
+def test_what_stands_beside_is_in_moving_pictures(tmp_path):
+    """A red plate before the data hides them in a quick picture as in a full one."""
+    (tmp_path / "plate.obj").write_text("v -40 -40 -9\nv 80 -40 -9\nv 80 80 -9\nv -40 80 -9\nf 1 2 3 4\n", encoding="utf-8")
+    scene = ovoid.Scene(bumps((32, 32, 32)), add=tmp_path / "plate.obj", add_color="red", view="-z", **SMALL)
+    middle = [scene._draw(scene.settings, False, None, coarseness).rgba[36, 48] for coarseness in (0, 1)]
+    assert middle[0][0] > 0.3 and middle[0][1] < 0.05
+    assert abs(middle[1] - middle[0]).max() < 0.02
+
+
 
 def test_shown_in_the_notebook(interact, array):
     widget = interact(array)

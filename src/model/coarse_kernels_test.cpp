@@ -269,15 +269,15 @@ TEST(CoarseKernels, FromFarTheyLookTheSame) {
   RenderOptions options;
   options.width = options.height = 64;
   Renderer renderer(Backend::kCpu);
-  const Image full = renderer.render(field, camera, look, options).image;
+  const Image full = renderer.render({field, look}, camera, options).image;
   const Field coarse = coarse_field(field);
   constexpr double kBound = 31.5;
-  const double found = psnr(full, renderer.render(coarse, camera, look, options).image);
+  const double found = psnr(full, renderer.render({coarse, look}, camera, options).image);
   EXPECT_GT(found, kBound) << found;
   const Vec3 aside(0.3 * 8 * field.default_sampling_distance(), 0, 0);
   camera.position += aside;
   camera.focal_point += aside;
-  EXPECT_LT(psnr(full, renderer.render(coarse, camera, look, options).image), kBound);
+  EXPECT_LT(psnr(full, renderer.render({coarse, look}, camera, options).image), kBound);
 }
 
 }  // namespace coarse_kernels_test

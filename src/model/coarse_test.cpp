@@ -351,14 +351,14 @@ TEST(CoarseLattice, FromFarItLooksTheSame) {
   RenderOptions options;
   options.width = options.height = 64;
   Renderer renderer(Backend::kCpu);
-  const Image full = renderer.render(field, camera, look, options).image;
+  const Image full = renderer.render({field, look}, camera, options).image;
   const Field coarse = coarse_field(field);
   constexpr double kBound = 28;
-  EXPECT_GT(psnr(full, renderer.render(coarse, camera, look, options).image), kBound);
+  EXPECT_GT(psnr(full, renderer.render({coarse, look}, camera, options).image), kBound);
   const Vec3 aside(field.default_sampling_distance(), 0, 0);
   camera.position += aside;
   camera.focal_point += aside;
-  EXPECT_LT(psnr(full, renderer.render(coarse, camera, look, options).image), kBound);
+  EXPECT_LT(psnr(full, renderer.render({coarse, look}, camera, options).image), kBound);
 }
 
 }  // namespace coarse_test

@@ -6,15 +6,15 @@
 #include <memory>
 #include <span>
 
-#include "ovoid/further_volumes.h"
 #include "ovoid/renderer.h"
 #include "view/base_plane.h"
+#include "view/further_volume.h"
 #include "view/light_volume.h"
 #include "view/trail_view.h"
 
 namespace ovoid {
 
-// The arguments of Renderer::render(), which have been validated.
+// A frame of fields, within the limits of its options; all of it has been validated.
 struct FrameJob {
   const Field& field;
   const Camera& camera;
@@ -25,12 +25,13 @@ struct FrameJob {
   const view::LightVolume* light = nullptr;  // how much of it arrives where; null: all
   const view::BasePlane* base = nullptr;     // of lattice sheets; null: image sheets
   std::span<const FurtherVolume> further{};  // mixed with the field; their looks are completed
+  Mixing mixing = Mixing::kAveraged;         // of the field and these
 };
 
 class BackEnd {
  public:
   virtual ~BackEnd() = default;
-  virtual bool has_lattice_sheets() const noexcept { return false; }
+  virtual Backend kind() const noexcept = 0;  // not kAuto
   // Throws Error, also kDeviceLost and kOutOfMemory, and what the hooks throw. One frame at a time.
   virtual Frame draw(const FrameJob& job) = 0;
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // In: a mesh's surface and a camera. Out: stops for every pixel, from the fragments of a tile at a
 // time: where the ray at one of its places comes in and goes out, and the walls at all of them.
+#include "render/boundary_limits.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,9 +16,7 @@
 
 #include "data/parallel.h"
 #include "ovoid/error.h"
-#include "ovoid/render_mesh.h"
 #include "render/mesh_crossings.h"
-#include "render/paint_surface.h"
 #include "render/pixel_stops.h"
 #include "render/surface_raster.h"
 #include "render/surface_shader.h"
@@ -233,14 +233,7 @@ class BoundaryPainter {
 
 DepthLimits boundary_limits(const Surface& surface, const Camera& camera, const Look& look,
                             const SurfaceStyle& walls, const RenderOptions& options, int threads,
-                            std::stop_token stop) {
-  return boundary_limits_in_light(surface, camera, look, walls, options, threads, stop, nullptr);
-}
-
-DepthLimits boundary_limits_in_light(const Surface& surface, const Camera& camera, const Look& look,
-                                     const SurfaceStyle& walls, const RenderOptions& options,
-                                     int threads, const std::stop_token& stop,
-                                     const view::LightVolume* light) try {
+                            std::stop_token stop, const view::LightVolume* light) try {
   camera.validate();
   look.validate();
   options.validate();

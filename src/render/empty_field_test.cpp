@@ -11,7 +11,6 @@
 #include "ovoid/error.h"
 #include "ovoid/model.h"
 #include "ovoid/sampler.h"
-#include "ovoid/value_plane.h"
 #include "support/scenes.h"
 #include "support/volumes.h"
 
@@ -43,10 +42,13 @@ TEST(EmptyField, IsRefusedByName) {
   for (const Field& field : empty_fields()) {
     for (const Backend backend : {Backend::kAuto, Backend::kCpu, Backend::kReference}) {
       Renderer renderer(backend, 1);
-      expect_refused("render", [&] { renderer.render(field, camera, {}, options); });
-      expect_refused("with a trail", [&] { renderer.render(field, camera, {}, Trail{}, options); });
-      expect_refused("render_with_plane",
-                     [&] { render_with_plane(renderer, field, camera, {}, {}, options); });
+      expect_refused("render", [&] { renderer.render({field, {}}, camera, options); });
+      Scene moving(field, {});
+      moving.volumes.front().trail = std::make_shared<Trail>();
+      expect_refused("with a trail", [&] { renderer.render(moving, camera, options); });
+      Scene cut(field, {});
+      cut.plane.emplace();
+      expect_refused("with a value plane", [&] { renderer.render(cut, camera, options); });
     }
     expect_refused("FieldSampler", [&] { FieldSampler{field}; });
     expect_refused("FieldProbe", [&] { FieldProbe{field}; });

@@ -19,7 +19,6 @@
 #include "labels/label_rays.h"
 #include "ovoid/crop.h"
 #include "render/limits_by_rows.h"
-#include "render/surface_light.h"
 #include "view/light.h"
 #include "view/pixel_rays.h"
 
@@ -212,7 +211,7 @@ class LabelView {
     normal = length > 0 ? Vec3(normal / length) : to_eye;
     if (normal.dot(to_eye) < 0) normal = -normal;
     const view::ArrivingLight arriving =
-        light_ != nullptr ? light_->arriving_at(place, normal, to_eye, 1, kEdgesAway)
+        light_ != nullptr ? light_->arriving_at(place, normal, to_eye, 1, view::kEdgesAway)
                           : view::ArrivingLight{};
     if (look_.shade && !is_cut) {
       const view::LightShares light =

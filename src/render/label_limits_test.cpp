@@ -9,8 +9,8 @@
 
 #include "model/own_array.h"
 #include "ovoid/error.h"
-#include "ovoid/geometry.h"
 #include "ovoid/model.h"
+#include "ovoid/renderer.h"
 #include "support/compare.h"
 #include "support/scenes.h"
 
@@ -83,10 +83,9 @@ RenderOptions label_picture() {
 Image image_of(const LabelSurfaces& surfaces, const RenderOptions& options = label_picture(),
                Backend backend = Backend::kCpu, int threads = 1,
                const Camera& camera = parallel_camera({0, 0, 0}, {0, 0, 1}, 12, 40)) {
-  Renderer renderer(backend, threads);
-  Scenery scenery;
-  scenery.labels = surfaces;
-  return render_with_scenery(renderer, haze_field(), camera, plain_look(), scenery, options).image;
+  Scene scene(haze_field(), plain_look());
+  scene.labels = surfaces;
+  return Renderer(backend, threads).render(scene, camera, options).image;
 }
 
 double share_of(const Image& image, std::size_t channel) {
@@ -175,30 +174,26 @@ TEST(LabelPictures, AClipPlaneCutsALabelOpenInItsColour) {
   hide_field(surfaces);
   RenderOptions options = label_picture();
   options.clip_planes = {{Vec3(0, 0, 1), 0}};
-  Renderer renderer(Backend::kCpu, 1);
-  Scenery scenery;
-  scenery.labels = surfaces;
   Look lit = plain_look();
   lit.shade = true;
-  const Image image =
-      render_with_scenery(renderer, haze_field(), parallel_camera({0, 0, 0}, {0.5, 0, 1}, 12, 40),
-                          lit, scenery, options)
-          .image;
+  Scene scene(haze_field(), lit);
+  scene.labels = surfaces;
+  const Image image = Renderer(Backend::kCpu, 1)
+                          .render(scene, parallel_camera({0, 0, 0}, {0.5, 0, 1}, 12, 40), options)
+                          .image;
   const auto center = pixel(image, 48 - 16, 24).rgba;
   EXPECT_EQ(center[3], 1);
   EXPECT_TRUE(center[0] == 1 || center[2] == 1) << center[0] << " " << center[2];
 }
 
 TEST(LabelPictures, OtherModesAreRefused) {
-  Renderer renderer(Backend::kCpu, 1);
-  Scenery scenery;
-  scenery.labels = box_surfaces();
   Look look = plain_look();
   look.mode = Mode::kMaximum;
-  EXPECT_THROW(
-      render_with_scenery(renderer, haze_field(), parallel_camera({0, 0, 0}, {0, 0, 1}, 12, 40),
-                          look, scenery, label_picture()),
-      Error);
+  Scene scene(haze_field(), look);
+  scene.labels = box_surfaces();
+  EXPECT_THROW(Renderer(Backend::kCpu, 1)
+                   .render(scene, parallel_camera({0, 0, 0}, {0, 0, 1}, 12, 40), label_picture()),
+               Error);
 }
 
 }  // namespace label_limits_test

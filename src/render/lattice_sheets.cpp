@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ovoid/error.h"
+#include "render/features.h"
 #include "view/frame_plan.h"
 
 namespace ovoid {
@@ -17,7 +18,7 @@ constexpr double kMostSamples = 1 << 26;
 // Why a frame cannot have them, whatever its view; empty if it can.
 std::string reason_against(const BackEnd& back_end, const FrameJob& job) {
   const RenderOptions& options = job.options;
-  if (!back_end.has_lattice_sheets()) return "backend vulkan has image sheets";
+  if (!draws(back_end.kind(), Feature::kLatticeSheets)) return "backend vulkan has image sheets";
   if (job.field.lattice() == nullptr) return "the field is a set of kernels";
   if (job.trail != nullptr) return "a trail is drawn on image sheets";
   if (options.depth_limits != nullptr) return "depth limits are those of the picture's own pixels";

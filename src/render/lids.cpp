@@ -94,10 +94,11 @@ Look opaque_colors(const Look& look, double thickness) {
 
 }  // namespace
 
-std::optional<Lids> make_lids(Renderer& renderer, const Field& field, const Surface& surface,
-                              const Camera& camera, const Look& look, const RenderOptions& options,
-                              const RenderHooks& hooks, FrameProfile* profile) {
-  const double thickness = kThickness * field.default_sampling_distance();
+std::optional<Lids> make_lids(FieldRenderer& renderer, const DrawnFields& fields,
+                              const Surface& surface, const Camera& camera,
+                              const RenderOptions& options, const RenderHooks& hooks,
+                              FrameProfile* profile) {
+  const double thickness = kThickness * fields.field.default_sampling_distance();
   Lids lids;
   RenderOptions behind = options;
   {
@@ -115,7 +116,8 @@ std::optional<Lids> make_lids(Renderer& renderer, const Field& field, const Surf
   behind.clip_planes.clear();
   RenderHooks inner;
   inner.stop = hooks.stop;
-  Frame frame = renderer.render(field, camera, opaque_colors(look, thickness), behind, inner);
+  const Look look = opaque_colors(fields.look, thickness);
+  Frame frame = renderer.draw({fields.field, look}, camera, behind, inner);
   lids.colors = std::move(frame.image);
   *profile = std::move(frame.profile);
   return lids;

@@ -4,16 +4,17 @@
 
 #include <optional>
 
-#include "ovoid/renderer.h"
 #include "ovoid/surface.h"
-#include "render/paint_surface.h"
+#include "render/field_renderer.h"
+#include "render/surface_frame.h"
 
 namespace ovoid {
 
 // None: no ray comes into what is left of the mesh through a cut. The profile of the frame that
 // drew them is added to `profile`. Throws what Renderer::render() throws.
-std::optional<Lids> make_lids(Renderer& renderer, const Field& field, const Surface& surface,
-                              const Camera& camera, const Look& look, const RenderOptions& options,
-                              const RenderHooks& hooks, FrameProfile* profile);
+std::optional<Lids> make_lids(FieldRenderer& renderer, const DrawnFields& fields,
+                              const Surface& surface, const Camera& camera,
+                              const RenderOptions& options, const RenderHooks& hooks,
+                              FrameProfile* profile);
 
 }  // namespace ovoid

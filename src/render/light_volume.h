@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "ovoid/field.h"
-#include "ovoid/further_volumes.h"
-#include "ovoid/geometry.h"
 #include "ovoid/look.h"
 #include "ovoid/render_options.h"
+#include "ovoid/scene.h"
 #include "ovoid/surface.h"
 #include "render/extinction_lattice.h"
 #include "render/surface_extinction.h"
+#include "view/further_volume.h"
 #include "view/light_volume.h"
 
 namespace ovoid {

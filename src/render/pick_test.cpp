@@ -31,7 +31,7 @@ struct PickedScene {
   Pick at(int x, int y) const {
     const FieldProbe probe(field);
     Renderer renderer(backend, 1);
-    const Frame frame = renderer.render(field, camera, look, options);
+    const Frame frame = renderer.render({field, look}, camera, options);
     return pick(frame.image, x, y, {field, probe, camera, look, options});
   }
 };
@@ -188,7 +188,7 @@ TEST(Pick, TakesPixelsOfThePictureAlone) {
                     gray_look(0, 24, 0.01)};
   const FieldProbe probe(scene.field);
   Renderer renderer(Backend::kCpu, 1);
-  const Frame frame = renderer.render(scene.field, scene.camera, scene.look, scene.options);
+  const Frame frame = renderer.render({scene.field, scene.look}, scene.camera, scene.options);
   scene.options.sampling_distance = 1e-9;
   const auto asked = [&](int x, int y) {
     return pick(frame.image, x, y, {scene.field, probe, scene.camera, scene.look, scene.options});

@@ -144,7 +144,7 @@ std::array<float, 4> cubic_weights(double t) {
 
 }  // namespace
 
-PlaneValues::PlaneValues(Renderer& renderer, const Field& field, const Look& look,
+PlaneValues::PlaneValues(FieldRenderer& renderer, const Field& field, const Look& look,
                          const PlaneView& view, const std::vector<Vec3>& footprint,
                          const RenderOptions& options, const RenderHooks& hooks)
     : view_(view), grid_(grid_for(field, view, footprint)), step_(grid_.texel) {
@@ -175,7 +175,7 @@ PlaneValues::PlaneValues(Renderer& renderer, const Field& field, const Look& loo
   Look values_look;
   values_look.mode = Mode::kXray;
   if (has_own_color) values_look = gray.look();
-  const Frame frame = renderer.render(field, camera, values_look, own, hooks);
+  const Frame frame = renderer.draw({field, values_look}, camera, own, hooks);
   profile_ = frame.profile;
   const std::vector<float>& rgba = frame.image.rgba;
   values_.assign(rgba.size() / 4, std::numeric_limits<float>::quiet_NaN());

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "render/field_renderer.h"
 #include "render/plane_view.h"
 
 namespace ovoid {
@@ -25,7 +26,7 @@ class PlaneValues {
  public:
   // Draws the picture for what of the plane is in sight: `footprint`, at least three corners.
   // Throws what render() throws.
-  PlaneValues(Renderer& renderer, const Field& field, const Look& look, const PlaneView& view,
+  PlaneValues(FieldRenderer& renderer, const Field& field, const Look& look, const PlaneView& view,
               const std::vector<Vec3>& footprint, const RenderOptions& options,
               const RenderHooks& hooks);
 

@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "ovoid/sampler.h"
-#include "render/test_value_plane.h"
+#include "render/test_plane_frame.h"
 #include "support/kernel_sets.h"
 
 namespace ovoid::value_plane_test {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ovoid/crop.h"
-#include "ovoid/value_plane.h"
+#include "ovoid/scene.h"
 #include "view/view_lattice.h"
 
 namespace ovoid {

@@ -87,11 +87,22 @@ TEST(Renderer, ChecksItsArguments) {
   dark.material.ambient = -1;
   for (const Backend backend : {Backend::kCpu, Backend::kReference}) {
     Renderer renderer(backend, 1);
-    expect_refused([&] { renderer.render(field, flat, {}, options); }, "camera parallel_scale = 0");
-    expect_refused([&] { renderer.render(field, camera, dark, options); }, "ambient = -1");
-    expect_refused([&] { renderer.render(field, camera, {}, test::picture(4, 0)); }, "height = 0");
-    expect_refused([&] { renderer.render(field, camera, {}, test::picture(4, 4, 1e-9)); },
-                   "sampling_distance = ");
+    expect_refused(
+        [&] {
+          renderer.render({field, {}}, flat, options);
+        },
+        "camera parallel_scale = 0");
+    expect_refused([&] { renderer.render({field, dark}, camera, options); }, "ambient = -1");
+    expect_refused(
+        [&] {
+          renderer.render({field, {}}, camera, test::picture(4, 0));
+        },
+        "height = 0");
+    expect_refused(
+        [&] {
+          renderer.render({field, {}}, camera, test::picture(4, 4, 1e-9));
+        },
+        "sampling_distance = ");
   }
 }
 
@@ -100,7 +111,7 @@ TEST(Renderer, AutoIsTheCpuWhereThereIsNoHardwareDevice) {
   const LatticeField field = test::constant_field({2, 2, 2}, 1);
   const Camera camera = test::parallel_camera({0, 0, 0}, {0, 0, 1}, 1);
   const auto backend_of = [&](Backend backend) {
-    return Renderer(backend, 1).render(field, camera, {}, test::picture(4, 4)).profile.backend;
+    return Renderer(backend, 1).render({field, {}}, camera, test::picture(4, 4)).profile.backend;
   };
   const std::vector<DeviceInfo> devices = list_devices().devices;
   const bool has_hardware = std::any_of(
@@ -119,9 +130,9 @@ TEST(Renderer, SaysWhereHalfSheetsHaveNoEffect) {
   for (const Backend backend : {Backend::kCpu, Backend::kReference}) {
     Renderer renderer(backend, 1);
     options.sheet_precision = SheetPrecision::kSingle;
-    EXPECT_EQ(renderer.render(field, camera, {}, options).profile.notice, "");
+    EXPECT_EQ(renderer.render({field, {}}, camera, options).profile.notice, "");
     options.sheet_precision = SheetPrecision::kHalf;
-    const FrameProfile profile = renderer.render(field, camera, {}, options).profile;
+    const FrameProfile profile = renderer.render({field, {}}, camera, options).profile;
     EXPECT_EQ(profile.notice,
               "sheet precision: floats; backend " + profile.backend + " has no half sheets");
   }
@@ -139,7 +150,7 @@ TEST(Renderer, PassesOnWhatCallbacksThrow) {
   const RenderOptions options = test::picture(200, 150);
   for (const Backend backend : {Backend::kCpu, Backend::kReference}) {
     Renderer renderer(backend, 3);
-    const Image expected = renderer.render(field, camera, {}, options).image;
+    const Image expected = renderer.render({field, {}}, camera, options).image;
     int num_calls = 0;
     const auto fail = [&] {
       if (++num_calls == 3) throw FromCallback{num_calls};
@@ -150,13 +161,13 @@ TEST(Renderer, PassesOnWhatCallbacksThrow) {
     for (const RenderHooks& hooks : {progress, tiles}) {
       num_calls = 0;
       try {
-        renderer.render(field, camera, {}, options, hooks);
+        renderer.render({field, {}}, camera, options, hooks);
         ADD_FAILURE() << "nothing was thrown";
       } catch (const FromCallback& thrown) {
         EXPECT_EQ(thrown.number, 3);
       }
       EXPECT_EQ(num_calls, 3);
-      EXPECT_EQ(renderer.render(field, camera, {}, options).image, expected);
+      EXPECT_EQ(renderer.render({field, {}}, camera, options).image, expected);
     }
   }
 }

@@ -33,9 +33,9 @@ float line_coverage(const PlaneView& view, const PlaneHit& hit, double line_widt
 
 }  // namespace
 
-DepthLimits slice_limits(const FieldSlice& slice, const LabelSurfaces& labels, Renderer& renderer,
-                         const Field& field, const Camera& camera, const Look& look,
-                         const RenderOptions& options, const RenderHooks& hooks) {
+DepthLimits slice_limits(const FieldSlice& slice, const LabelSurfaces& labels,
+                         FieldRenderer& renderer, const Field& field, const Camera& camera,
+                         const Look& look, const RenderOptions& options, const RenderHooks& hooks) {
   RenderOptions whole = options;
   whole.clip_planes.clear();
   whole.depth_limits = nullptr;

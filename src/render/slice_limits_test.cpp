@@ -8,8 +8,8 @@
 
 #include "model/own_array.h"
 #include "ovoid/error.h"
-#include "ovoid/geometry.h"
 #include "ovoid/model.h"
+#include "ovoid/renderer.h"
 #include "support/compare.h"
 #include "support/scenes.h"
 
@@ -61,10 +61,11 @@ Image sliced(const FieldSlice& slice, const LabelSurfaces& labels, int threads =
   options.width = options.height = kSliceSide;
   Look look = test::uniform_look(0);
   look.shade = false;
-  Renderer renderer(Backend::kCpu, threads);
-  return render_with_scenery(renderer, even_field(),
-                             test::parallel_camera({0, 0, 0}, {0, 0, 1}, 12, 40), look,
-                             {{}, {slice}, labels}, options)
+  Scene scene(even_field(), look);
+  scene.slices = {slice};
+  scene.labels = labels;
+  return Renderer(Backend::kCpu, threads)
+      .render(scene, test::parallel_camera({0, 0, 0}, {0, 0, 1}, 12, 40), options)
       .image;
 }
 
@@ -170,10 +171,11 @@ TEST(SliceLabels, FlatOnesHaveNoSurfaces) {
   const auto camera = test::parallel_camera({0, 0, 0}, {0, 0, 1}, 12, 40);
   Renderer renderer(Backend::kCpu, 1);
   const auto drawn = [&] {
-    return render_with_scenery(renderer, even_field(), camera, look, {{}, {}, labels}, options)
-        .image;
+    Scene scene(even_field(), look);
+    scene.labels = labels;
+    return renderer.render(scene, camera, options).image;
   };
-  EXPECT_EQ(drawn().rgba, renderer.render(even_field(), camera, look, options).image.rgba);
+  EXPECT_EQ(drawn().rgba, renderer.render({even_field(), look}, camera, options).image.rgba);
   labels.styles[0].shows_field = labels.styles[1].shows_field = false;
   EXPECT_EQ(pixel(drawn(), 30, 36).a(), 0);
   EXPECT_GT(pixel(drawn(), 30, 72).a(), 0);

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ovoid/render_mesh.h"
+#include "render/boundary_limits.h"
 #include "view/visible_points.h"
 
 namespace ovoid {

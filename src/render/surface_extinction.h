@@ -7,7 +7,7 @@
 #include <span>
 #include <stop_token>
 
-#include "ovoid/geometry.h"
+#include "ovoid/scene.h"
 #include "render/extinction_lattice.h"
 
 namespace ovoid {

@@ -11,7 +11,6 @@
 #include "ovoid/model.h"
 #include "render/light_sweep.h"
 #include "render/light_volume.h"
-#include "render/surface_light.h"
 #include "support/scenes.h"
 #include "support/volumes.h"
 
@@ -241,7 +240,7 @@ TEST(SurfaceExtinction, ABallDoesNotShadowItsOwnLitSide) {
         const double rest = std::sqrt(1 - z * z);
         const Vec3 normal(rest * std::cos(turn), rest * std::sin(turn), z);
         const view::ArrivingLight arriving =
-            light.arriving_at(kLitMiddle + radius * normal, normal, normal, 1, kEdgesAway);
+            light.arriving_at(kLitMiddle + radius * normal, normal, normal, 1, view::kEdgesAway);
         least_around = std::min(least_around, arriving.around);
         const double cosine = normal.dot(towards.normalized());
         if (cosine > 0.1) least_key = std::min(least_key, arriving.key);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/surface_light.h"
 #include "view/color_attribute.h"
 #include "view/light.h"
 
@@ -52,7 +51,7 @@ Rgb SurfaceShader::color_of(const SurfaceFragment& fragment) const {
   const Vec3 place = raster_.place_of(fragment);
   const Vec3 to_eye = raster_.towards_eye(place);
   const view::ArrivingLight arriving =
-      light_ != nullptr ? light_->arriving_at(place, normal, to_eye, 1, kEdgesAway)
+      light_ != nullptr ? light_->arriving_at(place, normal, to_eye, 1, view::kEdgesAway)
                         : view::ArrivingLight{};
   if (!look_.shade) {
     for (double& c : color) c *= view::unlit_share(arriving);

@@ -195,8 +195,8 @@ TEST(SolidField, DrawsTheTriCubicOfARegularMesh) {
   look.transfer_function.opacities = {{0.1, 0}, {0.6, 0.8}, {1, 1}};
   RenderOptions options;
   options.width = options.height = 160;
-  const Image a = Renderer{}.render(Field(lattice), camera, look, options).image;
-  const Image b = Renderer{}.render(Field(kernels), camera, look, options).image;
+  const Image a = Renderer{}.render({Field(lattice), look}, camera, options).image;
+  const Image b = Renderer{}.render({Field(kernels), look}, camera, options).image;
   double error = 0;
   std::size_t num_covered = 0;
   for (std::size_t i = 0; i < a.rgba.size(); ++i) {

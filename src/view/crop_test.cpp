@@ -134,9 +134,9 @@ TEST(Crop, TheFieldIsTheSameAsUncropped) {
   options.width = options.height = 40;  // a quarter of a spacing
   options.sheets = Sheets::kImage;
   Renderer renderer(Backend::kReference, 1);
-  const Image whole = renderer.render(field, camera, look, options).image;
+  const Image whole = renderer.render({field, look}, camera, options).image;
   options.clip_planes = crop_planes(field.geometry(), {0, 0, 0}, {4, 8, 8});
-  const Image part = renderer.render(field, camera, look, options).image;
+  const Image part = renderer.render({field, look}, camera, options).image;
   for (int x = 0; x < 40; ++x) {
     // The pixel's middle in the world; the cut is at 4.5.
     const bool is_kept_here = (x + 0.5) / 4 - 1 < 4.5;

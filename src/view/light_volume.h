@@ -12,6 +12,10 @@
 
 namespace ovoid::view {
 
+// Where the light on a surface is read, in cell edges from it: beyond the cells that the surface is
+// blurred into.
+inline constexpr double kEdgesAway = 2;
+
 // Shares of the light that arrive at a place: of the light from everywhere and of that from the
 // key. In [0, 1].
 struct ArrivingLight {

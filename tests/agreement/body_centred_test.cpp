@@ -22,18 +22,18 @@ VolumeFunction waves(const Index3& dims) {
   };
 }
 
-Scene body_centred_scene(Mode mode, bool is_parallel, const FieldSetup& changes = {}) {
+TestScene body_centred_scene(Mode mode, bool is_parallel, const FieldSetup& changes = {}) {
   const Index3 dims{11, 9, 20};
   FieldSetup setup = changes;
   setup.world_from_index = oblique_axes();
   setup.lattice = LatticeKind::kBodyCentred;
-  Scene scene = small_scene(mode, is_parallel);
+  TestScene scene = small_scene(mode, is_parallel);
   scene.field = make_stored_field(dims, waves(dims), {ScalarType::kFloat32, 10, 50}, setup);
   scene.camera = askew_camera(scene.field, is_parallel, 1.3);
   return scene;
 }
 
-std::string scene_name(const Scene& scene) {
+std::string scene_name(const TestScene& scene) {
   return std::string("body-centred, ") + kModeNames[static_cast<int>(scene.look.mode)];
 }
 
@@ -52,7 +52,7 @@ TEST_P(BodyCentredMode, SlabsReconstructionsEvaluations) {
       for (const Slab slab : {Slab::kMid, Slab::kMean}) {
         FieldSetup setup;
         setup.reconstruction = reconstruction;
-        Scene scene = body_centred_scene(mode(), is_parallel, setup);
+        TestScene scene = body_centred_scene(mode(), is_parallel, setup);
         scene.options.slab = slab;
         expect_agreement_however_evaluated(
             scene, name() + (is_parallel ? ", parallel" : ", perspective") +
@@ -69,7 +69,7 @@ TEST_P(BodyCentredMode, Gradients) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const GradientMethod method : {GradientMethod::kExact, GradientMethod::kCentral}) {
     for (const Slab slab : {Slab::kMid, Slab::kMean}) {
-      Scene scene = body_centred_scene(mode(), slab == Slab::kMid);
+      TestScene scene = body_centred_scene(mode(), slab == Slab::kMid);
       scene.options.gradient = method;
       scene.options.slab = slab;
       expect_agreement_however_evaluated(
@@ -85,7 +85,7 @@ TEST_P(BodyCentredMode, Holes) {
   FieldSetup setup;
   setup.lattice = LatticeKind::kBodyCentred;
   const VolumeFunction whole = waves(dims);
-  Scene scene = body_centred_scene(mode(), false);
+  TestScene scene = body_centred_scene(mode(), false);
   scene.field = make_stored_field(
       dims,
       [&](std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -108,7 +108,7 @@ TEST(BodyCentredAgreement, KernelsAndSources) {
     setup.kernel = kernel;
     for (const auto how : {Reconstruction::kNormalized, Reconstruction::kSum}) {
       setup.reconstruction = how;
-      Scene scene = body_centred_scene(Mode::kComposite, true, setup);
+      TestScene scene = body_centred_scene(Mode::kComposite, true, setup);
       expect_agreement_however_evaluated(
           scene, std::string("body-centred, ") + name_of(kernel.kind) + ", sigma " +
                      std::to_string(kernel.sigma) + (how == Reconstruction::kSum ? ", sum" : ""));
@@ -118,7 +118,7 @@ TEST(BodyCentredAgreement, KernelsAndSources) {
                                             std::to_string(kernel.sigma)));
     }
   }
-  Scene scene = body_centred_scene(Mode::kComposite, false);
+  TestScene scene = body_centred_scene(Mode::kComposite, false);
   const double half_height = 8 * 3.0 * scene.field.default_sampling_distance();
   scene.camera = perspective_camera(scene.field.world_bounds().center(), {0.48, -0.31, 0.82},
                                     half_height, 4 * half_height);
@@ -141,7 +141,7 @@ TEST(BodyCentredAgreement, KernelsAndSources) {
 // Fails if nodes lie farther apart than the narrower kernels allow, or take one sublattice.
 TEST(BodyCentredAgreement, Magnified) {
   OVOID_NIGHTLY_ON_DEVICE();
-  Scene magnified = body_centred_scene(Mode::kComposite, false);
+  TestScene magnified = body_centred_scene(Mode::kComposite, false);
   magnified.camera = askew_camera(magnified.field, false, 8);
   magnified.options = picture(96, 80);
   magnified.options.post_convolution = PostConvolution::kOff;
@@ -171,9 +171,9 @@ TEST(BodyCentredAgreement, PublishedWays) {
   setup.lattice = LatticeKind::kBodyCentred;
   const LatticeField field = make_stored_field(dims, waves(dims), {}, setup);
   const Vec3 center = field.world_bounds().center();
-  Scene scene{field, parallel_camera(center, {0.48, -0.31, 0.82}, 3.2 / kPublishedShrink),
-              semi_transparent_look(0, 1),
-              picture(48 / kPublishedShrink, 40 / kPublishedShrink, 0.4)};
+  TestScene scene{field, parallel_camera(center, {0.48, -0.31, 0.82}, 3.2 / kPublishedShrink),
+                  semi_transparent_look(0, 1),
+                  picture(48 / kPublishedShrink, 40 / kPublishedShrink, 0.4)};
   const Vec3 forward = (center - scene.camera.position).normalized();
   scene.options.clip_planes = {{forward, forward.dot(center) - 1.1},
                                {-forward, -forward.dot(center) - 1.1}};

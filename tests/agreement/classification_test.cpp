@@ -33,8 +33,8 @@ TEST(Preintegrated, AgreesOnEveryVolumeAndLook) {
     for (const TestLook& look : test_looks(volume.lo, volume.hi)) {
       for (const double distance : {1.0, 3.0}) {
         const bool is_parallel = distance > 1;
-        Scene scene{volume.field, askew_camera(volume.field, is_parallel, 1.4), look.look,
-                    picture(40, 34, distance * volume.field.default_sampling_distance())};
+        TestScene scene{volume.field, askew_camera(volume.field, is_parallel, 1.4), look.look,
+                        picture(40, 34, distance * volume.field.default_sampling_distance())};
         scene.options.classification = Classification::kPreintegrated;
         EXPECT_TRUE(
             backends_agree(scene, volume.name + ", " + look.name + view_name(is_parallel), 0.002));
@@ -46,23 +46,23 @@ TEST(Preintegrated, AgreesOnEveryVolumeAndLook) {
 TEST(Preintegrated, AgreesWithOtherOptions) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
-    Scene scene = small_scene(Mode::kComposite, is_parallel);
+    TestScene scene = small_scene(Mode::kComposite, is_parallel);
     scene.options.classification = Classification::kPreintegrated;
     const std::string view = "pre-integrated" + view_name(is_parallel);
-    Scene scattered = scene;
+    TestScene scattered = scene;
     scattered.options.evaluate = Evaluate::kScatter;
     EXPECT_TRUE(backends_agree(scattered, view + ", scatter"));
-    Scene central = scene;
+    TestScene central = scene;
     central.options.gradient = GradientMethod::kCentral;
     EXPECT_TRUE(backends_agree(central, view + ", central"));
-    Scene mean = scene;
+    TestScene mean = scene;
     mean.options.slab = Slab::kMean;
     EXPECT_TRUE(backends_agree(mean, view + ", slab means"));
-    Scene clipped = scene;
+    TestScene clipped = scene;
     const Vec3 normal(-1.0, 0.6, 0.5);
     clipped.options.clip_planes = {{normal, normal.dot(scene.field.world_bounds().center()) - 0.7}};
     EXPECT_TRUE(backends_agree(clipped, view + ", clipped"));
-    Scene unlit = scene;
+    TestScene unlit = scene;
     unlit.look.shade = false;
     EXPECT_TRUE(backends_agree(unlit, view + ", no light"));
   }
@@ -73,8 +73,8 @@ TEST(Preintegrated, AgreesFromWithin) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const TestVolume& volume : test_volumes()) {
     if (volume.name == "one sample") continue;  // shows nothing
-    Scene scene{volume.field, askew_camera(volume.field, false, 1.4),
-                semi_transparent_look(volume.lo, volume.hi), picture(40, 34)};
+    TestScene scene{volume.field, askew_camera(volume.field, false, 1.4),
+                    semi_transparent_look(volume.lo, volume.hi), picture(40, 34)};
     scene.camera.position += 0.85 * (scene.camera.focal_point - scene.camera.position);
     scene.camera.view_angle = 80;
     scene.options.classification = Classification::kPreintegrated;
@@ -88,8 +88,8 @@ TEST(GradientOpacity, AgreesOnEveryVolumeAndLook) {
   for (const TestVolume& volume : test_volumes()) {
     if (volume.name == "one sample") continue;  // has no gradient but rounding
     for (const TestLook& test_look : test_looks(volume.lo, volume.hi)) {
-      Scene scene{volume.field, askew_camera(volume.field, true, 1.4), test_look.look,
-                  picture(40, 34)};
+      TestScene scene{volume.field, askew_camera(volume.field, true, 1.4), test_look.look,
+                      picture(40, 34)};
       fade_by_gradient(scene.look, typical_gradient(volume));
       EXPECT_TRUE(backends_agree(scene, volume.name + ", " + test_look.name, 0.01));
     }
@@ -99,27 +99,27 @@ TEST(GradientOpacity, AgreesOnEveryVolumeAndLook) {
 TEST(GradientOpacity, AgreesWithOtherOptions) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
-    Scene scene = small_scene(Mode::kComposite, is_parallel);
+    TestScene scene = small_scene(Mode::kComposite, is_parallel);
     const ValueRange range = scene.field.value_range();
     fade_by_gradient(scene.look, 0.2 * (range.hi - range.lo));
     const std::string view = "fading" + view_name(is_parallel);
-    Scene unlit = scene;
+    TestScene unlit = scene;
     unlit.look.shade = false;
     EXPECT_TRUE(backends_agree(unlit, view + ", no light"));
-    Scene scattered = scene;
+    TestScene scattered = scene;
     scattered.options.evaluate = Evaluate::kScatter;
     EXPECT_TRUE(backends_agree(scattered, view + ", scatter"));
     for (const GradientMethod method : {GradientMethod::kCentral, GradientMethod::kExact}) {
-      Scene other = scene;
+      TestScene other = scene;
       other.options.gradient = method;
       EXPECT_TRUE(backends_agree(other, view + ", another gradient"));
       other.look.shade = false;
       EXPECT_TRUE(backends_agree(other, view + ", another gradient, no light"));
     }
-    Scene both = scene;
+    TestScene both = scene;
     both.options.classification = Classification::kPreintegrated;
     EXPECT_TRUE(backends_agree(both, view + ", pre-integrated"));
-    Scene other_mode = scene;
+    TestScene other_mode = scene;
     other_mode.look.mode = Mode::kMaximum;  // fading is of composite alone
     EXPECT_TRUE(backends_agree(other_mode, view + ", maximum"));
   }
@@ -141,7 +141,7 @@ TEST(LogarithmicLook, Agrees) {
               const double s = shape(i, j, k);
               return is_log ? std::pow(10.0, 5 * s - 3) : std::sinh(12 * (s - 0.5));
             });
-        Scene scene{field, askew_camera(field, is_parallel), Look(), picture(32, 30)};
+        TestScene scene{field, askew_camera(field, is_parallel), Look(), picture(32, 30)};
         TransferFunction& tf = scene.look.transfer_function;
         tf.scale = scale;
         tf.linear_width = 0.1;

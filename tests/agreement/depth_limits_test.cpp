@@ -34,7 +34,7 @@ void expect_agreement_in_every_mode(const Field& field, const LimitedView& view,
         Look look = semi_transparent_look(field.value_range().lo, field.value_range().hi);
         look.mode = mode;
         look.isovalue = view.isovalue;
-        Scene scene{field, askew_camera(field, is_parallel, view.fill), look, options};
+        TestScene scene{field, askew_camera(field, is_parallel, view.fill), look, options};
         scene.options.classification = how;
         scene.options.depth_limits = random_limits(scene, view.reach);
         ImageTolerance tolerance = view.tolerance;
@@ -87,9 +87,9 @@ TEST(DepthLimits, AgreeWithClipPlanes) {
   const KernelField set(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   const TestVolume volume = test_volumes()[0];
   for (const Field& field : {Field(set), Field(volume.field)}) {
-    Scene scene{field, askew_camera(field, false, 1.3),
-                semi_transparent_look(field.value_range().lo, field.value_range().hi),
-                picture(50, 40, 0)};
+    TestScene scene{field, askew_camera(field, false, 1.3),
+                    semi_transparent_look(field.value_range().lo, field.value_range().hi),
+                    picture(50, 40, 0)};
     scene.options.post_convolution = PostConvolution::kOff;
     const Vec3 normal(0.3, -0.2, 0.9);
     scene.options.clip_planes = {{normal, normal.dot(field.world_bounds().center())}};
@@ -110,8 +110,8 @@ TEST(DepthLimits, AgreeWithClipPlanes) {
 TEST(DepthLimits, PiecesOfSetsReachToThem) {
   OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
-  Scene scene{field, askew_camera(field, false, 1.3), semi_transparent_look(0, 1),
-              picture(50, 70, 0)};
+  TestScene scene{field, askew_camera(field, false, 1.3), semi_transparent_look(0, 1),
+                  picture(50, 70, 0)};
   scene.options.post_convolution = PostConvolution::kOff;
   scene.options.sampling_distance = 6 * field.default_sampling_distance();
   scene.options.depth_limits = random_limits(scene, 5);
@@ -124,9 +124,9 @@ TEST(DepthLimits, ThatLimitNothingChangeNothing) {
   const KernelField set(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   const TestVolume volume = test_volumes()[0];
   for (const Field& field : {Field(set), Field(volume.field)}) {
-    Scene scene{field, askew_camera(field, false, 1.3),
-                semi_transparent_look(field.value_range().lo, field.value_range().hi),
-                picture(50, 70, 0)};
+    TestScene scene{field, askew_camera(field, false, 1.3),
+                    semi_transparent_look(field.value_range().lo, field.value_range().hi),
+                    picture(50, 70, 0)};
     scene.options.post_convolution = PostConvolution::kOff;
     scene.options.sheets = Sheets::kImage;
     const Image whole = draw(scene).image;
@@ -146,7 +146,7 @@ TEST(DepthLimits, ThatLimitNothingChangeNothing) {
 // Spans that begin just before a sheet, on it or just behind, of the next sheet in the next pixel,
 // and end after a part of a piece, a piece, a block or never. Stops on sheets are seams, without a
 // colour: which of the two comes first is nobody's to say.
-std::shared_ptr<const DepthLimits> limits_at_every_sheet(const Scene& scene) {
+std::shared_ptr<const DepthLimits> limits_at_every_sheet(const TestScene& scene) {
   constexpr int kSheets = 40;  // more than two blocks of a lattice, ten of a kernel set
   const double middle = (scene.camera.focal_point - scene.camera.position).norm();
   const double sheet = scene.options.sampling_distance;
@@ -189,8 +189,8 @@ TEST(DepthLimits, AgreeWhereverStopsLieInBlocks) {
       for (const Classification how : {Classification::kRefined, Classification::kSampled}) {
         if (mode != Mode::kComposite && how != Classification::kRefined) continue;
         const ValueRange range = field.value_range();
-        Scene scene{field, askew_camera(field, false, 1.3),
-                    semi_transparent_look(range.lo, range.hi), picture(70, 50, 0)};
+        TestScene scene{field, askew_camera(field, false, 1.3),
+                        semi_transparent_look(range.lo, range.hi), picture(70, 50, 0)};
         scene.look.mode = mode;
         scene.look.isovalue = 0.5 * (range.lo + range.hi);
         scene.options.classification = how;
@@ -213,8 +213,8 @@ TEST(DepthLimits, AgreeWhereverStopsLieInBlocks) {
 TEST(DepthLimits, StopsJoinFrontToBack) {
   OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(4).source(), Reconstruction::kNormalized);
-  Scene scene{field, askew_camera(field, true, 1.3), semi_transparent_look(0, 1),
-              picture(40, 40, 0)};
+  TestScene scene{field, askew_camera(field, true, 1.3), semi_transparent_look(0, 1),
+                  picture(40, 40, 0)};
   auto limits = std::make_shared<DepthLimits>();
   limits->width = limits->height = 40;
   limits->first = {0};
@@ -259,8 +259,8 @@ TEST(DepthLimits, AreRefusedWhereTheyDoNotFit) {
 TEST(DepthLimits, AreRefusedOnLatticeSheets) {
   OVOID_NIGHTLY_ON_DEVICE();
   const TestVolume volume = test_volumes()[0];
-  Scene scene{volume.field, askew_camera(volume.field, true, 1.3),
-              semi_transparent_look(volume.lo, volume.hi), picture(20, 20)};
+  TestScene scene{volume.field, askew_camera(volume.field, true, 1.3),
+                  semi_transparent_look(volume.lo, volume.hi), picture(20, 20)};
   scene.options.depth_limits = random_limits(scene, 6);
   EXPECT_NO_THROW(draw(scene, Backend::kCpu));
   scene.options.sheets = Sheets::kLattice;

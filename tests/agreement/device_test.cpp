@@ -23,14 +23,14 @@ class OnDevice : public ::testing::Test {
     if (tested_backend() != Backend::kVulkan) GTEST_SKIP() << "another back end is tested";
   }
 
-  static Frame draw_with(const RendererSetup& setup, const Scene& scene) {
-    return Renderer(setup).render(scene.field, scene.camera, scene.look, scene.options);
+  static Frame draw_with(const RendererSetup& setup, const TestScene& scene) {
+    return Renderer(setup).render({scene.field, scene.look}, scene.camera, scene.options);
   }
 };
 
-Scene lattice_scene(bool is_parallel) {
+TestScene lattice_scene(bool is_parallel) {
   const Index3 dims{40, 36, 44};
-  Scene scene;
+  TestScene scene;
   scene.field = make_stored_field(dims, shells(dims), {ScalarType::kUInt8, 0, 255});
   scene.camera = askew_camera(scene.field, is_parallel, 1.3);
   scene.look = semi_transparent_look(0, 255);
@@ -43,8 +43,8 @@ Scene lattice_scene(bool is_parallel) {
 constexpr std::uint64_t kFewBoxes = std::uint64_t{48} << 10;
 constexpr std::uint64_t kManyBoxes = std::uint64_t{36} << 10;
 
-Scene kernel_scene() {
-  Scene scene;
+TestScene kernel_scene() {
+  TestScene scene;
   scene.field = KernelField(jittered_ellipsoids(12).source(), Reconstruction::kNormalized);
   scene.camera = askew_camera(scene.field, false, 1.3);
   scene.look = semi_transparent_look(0, 1);
@@ -71,7 +71,7 @@ ErrorCode code_of(const std::function<void()>& work, std::string& message) {
 // reach.
 TEST_F(OnDevice, LatticesLargerThanMemoryAreDrawnBoxByBox) {
   for (const bool is_parallel : {true, false}) {
-    const Scene scene = lattice_scene(is_parallel);
+    const TestScene scene = lattice_scene(is_parallel);
     const Frame whole = draw_with({.backend = Backend::kVulkan}, scene);
     for (const std::uint64_t bytes : {kFewBoxes, kManyBoxes}) {
       const Frame in_boxes =
@@ -87,7 +87,7 @@ TEST_F(OnDevice, LatticesLargerThanMemoryAreDrawnBoxByBox) {
 TEST_F(OnDevice, WhatLiesBetweenSheetsIsWholeAcrossBoxes) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (int way = 0; way < 4; ++way) {
-    Scene scene = lattice_scene(false);
+    TestScene scene = lattice_scene(false);
     if (way == 3) {
       scene.camera = askew_camera(scene.field, false, 6);
       scene.options.post_convolution = PostConvolution::kCubic;
@@ -107,7 +107,7 @@ TEST_F(OnDevice, WhatLiesBetweenSheetsIsWholeAcrossBoxes) {
 
 // Fails if a field and what is behind it are cut into other boxes.
 TEST_F(OnDevice, TrailsGoThroughTheSameBoxes) {
-  const Scene scene = lattice_scene(false);
+  const TestScene scene = lattice_scene(false);
   const Index3 dims = scene.lattice().geometry().dims;
   const VolumeFunction later = [shape = shells(dims)](std::int64_t i, std::int64_t j,
                                                       std::int64_t k) {
@@ -117,7 +117,7 @@ TEST_F(OnDevice, TrailsGoThroughTheSameBoxes) {
                     scene.look.transfer_function};
   const auto draw_trail = [&](std::uint64_t bytes) {
     Renderer renderer(RendererSetup{.backend = Backend::kVulkan, .device_memory = bytes});
-    return renderer.render(scene.field, scene.camera, scene.look, trail, scene.options).image;
+    return renderer.render(with_trail(scene.scene(), trail), scene.camera, scene.options).image;
   };
   const Image whole = draw_trail(0);
   EXPECT_FALSE(whole.rgba == draw(scene).image.rgba);
@@ -127,7 +127,7 @@ TEST_F(OnDevice, TrailsGoThroughTheSameBoxes) {
 // Fails if a page's kernels are taken for another's, an evicted page for a resident one, or a brick
 // is left out of rows or layers that it reaches.
 TEST_F(OnDevice, SetsLargerThanMemoryAreDrawnPageByPage) {
-  Scene scene = kernel_scene();
+  TestScene scene = kernel_scene();
   scene.field = KernelField(jittered_ellipsoids(24).source(), Reconstruction::kNormalized);
   scene.options = picture(80, 160);
   scene.options.post_convolution = PostConvolution::kOff;
@@ -141,9 +141,9 @@ TEST_F(OnDevice, SetsLargerThanMemoryAreDrawnPageByPage) {
 // Fails if a frame leaves something behind that the next one reads, or sends the field again.
 TEST_F(OnDevice, FieldsStayAndFramesRepeat) {
   Renderer renderer(RendererSetup{.backend = Backend::kVulkan});
-  for (const Scene& scene : {lattice_scene(false), kernel_scene()}) {
+  for (const TestScene& scene : {lattice_scene(false), kernel_scene()}) {
     const auto render = [&](const Look& look) {
-      return renderer.render(scene.field, scene.camera, look, scene.options);
+      return renderer.render({scene.field, look}, scene.camera, scene.options);
     };
     const Frame first = render(scene.look);
     Look other = scene.look;
@@ -185,7 +185,7 @@ TEST_F(OnDevice, HalfSheetsKeepTheirTierOnSets) {
     looks.push_back({"logarithmic", logarithmic_look(field.value_range().hi)});
     int num_taken = 0;
     for (const TestLook& look : looks) {
-      Scene scene = kernel_scene();
+      TestScene scene = kernel_scene();
       scene.field = field;
       scene.camera = askew_camera(field, false, 1.3);
       scene.look = look.look;
@@ -209,7 +209,7 @@ TEST_F(OnDevice, HalfSheetsKeepTheirTierOnSets) {
 
 // Fails if what a lattice never keeps is rounded all the same, or nothing is said of it.
 TEST_F(OnDevice, HalfSheetsAreNotForLattices) {
-  Scene scene = lattice_scene(false);
+  TestScene scene = lattice_scene(false);
   const Image whole = draw(scene).image;
   scene.options.sheet_precision = SheetPrecision::kHalf;
   const Frame half = draw(scene);
@@ -219,7 +219,7 @@ TEST_F(OnDevice, HalfSheetsAreNotForLattices) {
 
 // Fails if what a switch leaves out is not what cannot be seen.
 TEST_F(OnDevice, SwitchesChangeTimeAlone) {
-  for (Scene scene : {lattice_scene(false), kernel_scene()}) {
+  for (TestScene scene : {lattice_scene(false), kernel_scene()}) {
     const double lo = scene.look.transfer_function.lo();
     const double span = scene.look.transfer_function.hi() - lo;
     scene.look.transfer_function.opacities = {{lo + 0.2 * span, 0}, {lo + 0.3 * span, 1}};
@@ -238,7 +238,7 @@ TEST_F(OnDevice, SwitchesChangeTimeAlone) {
 }
 
 TEST_F(OnDevice, StagesAreTimedAndTheDeviceIsNamed) {
-  Scene scene = kernel_scene();
+  TestScene scene = kernel_scene();
   scene.options.collect_profile = true;
   const FrameProfile profile = draw(scene).profile;
   EXPECT_EQ(profile.backend, "vulkan");
@@ -253,7 +253,7 @@ TEST_F(OnDevice, StagesAreTimedAndTheDeviceIsNamed) {
 }
 
 TEST_F(OnDevice, StopsAndTellsOfProgress) {
-  Scene scene = lattice_scene(true);
+  TestScene scene = lattice_scene(true);
   scene.options.height = 300;
   std::stop_source stop;
   RenderHooks hooks;
@@ -265,22 +265,25 @@ TEST_F(OnDevice, StopsAndTellsOfProgress) {
   };
   Renderer renderer(RendererSetup{.backend = Backend::kVulkan});
   std::string message;
-  EXPECT_EQ(
-      code_of([&] { renderer.render(scene.field, scene.camera, scene.look, scene.options, hooks); },
-              message),
-      ErrorCode::kCancelled);
+  EXPECT_EQ(code_of(
+                [&] {
+                  renderer.render({scene.field, scene.look}, scene.camera, scene.options, hooks);
+                },
+                message),
+            ErrorCode::kCancelled);
   EXPECT_EQ(message, "rendering was cancelled");
   ASSERT_EQ(told.size(), 1U);
   EXPECT_GT(told.front(), 0);
   EXPECT_LT(told.front(), 1);
   // And goes on with the next, the field still there.
   scene.options.height = 36;
-  const Frame next = renderer.render(scene.field, scene.camera, scene.look, scene.options);
+  const Frame next = renderer.render({scene.field, scene.look}, scene.camera, scene.options);
   expect_same_bytes(next.image, draw(scene).image, "after a stop");
   Look other = scene.look;
   other.transfer_function.opacities.back().opacity = 0.9;
-  EXPECT_LT(renderer.render(scene.field, scene.camera, other, scene.options).profile.bytes_uploaded,
-            draw_with({.backend = Backend::kVulkan}, scene).profile.bytes_uploaded);
+  EXPECT_LT(
+      renderer.render({scene.field, other}, scene.camera, scene.options).profile.bytes_uploaded,
+      draw_with({.backend = Backend::kVulkan}, scene).profile.bytes_uploaded);
 }
 
 TEST_F(OnDevice, ImpossibleWishesAreErrorsWithAWayOut) {
@@ -307,7 +310,7 @@ TEST_F(OnDevice, ImpossibleWishesAreErrorsWithAWayOut) {
 TEST_F(OnDevice, DepthLimitsGoThroughBoxes) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (int way = 0; way < 4; ++way) {
-    Scene scene = lattice_scene(false);
+    TestScene scene = lattice_scene(false);
     scene.options.classification = way == 0   ? Classification::kRefined
                                    : way == 1 ? Classification::kPreintegrated
                                               : Classification::kSampled;
@@ -325,7 +328,7 @@ TEST_F(OnDevice, DepthLimitsGoThroughBoxes) {
 
 // The same of a set's layers, whose rows are drawn anew, fewer at a time, where they do not fit.
 TEST_F(OnDevice, DepthLimitsGoThroughPages) {
-  Scene scene = kernel_scene();
+  TestScene scene = kernel_scene();
   scene.field = KernelField(jittered_ellipsoids(24).source(), Reconstruction::kNormalized);
   scene.options = picture(80, 160);
   scene.options.post_convolution = PostConvolution::kOff;
@@ -338,7 +341,7 @@ TEST_F(OnDevice, DepthLimitsGoThroughPages) {
 
 // Fails if rows that are drawn later take the limits of others.
 TEST_F(OnDevice, DepthLimitsAreThoseOfTheirRows) {
-  for (Scene scene : {lattice_scene(true), kernel_scene()}) {
+  for (TestScene scene : {lattice_scene(true), kernel_scene()}) {
     scene.options.height = 300;
     scene.options.depth_limits = random_limits(scene, 8);
     const Image whole = draw(scene).image;
@@ -347,7 +350,7 @@ TEST_F(OnDevice, DepthLimitsAreThoseOfTheirRows) {
     hooks.tile_done = [&](const auto&) { ++num_strips; };
     Renderer renderer(RendererSetup{.backend = Backend::kVulkan});
     const Frame watched =
-        renderer.render(scene.field, scene.camera, scene.look, scene.options, hooks);
+        renderer.render({scene.field, scene.look}, scene.camera, scene.options, hooks);
     expect_same_bytes(watched.image, whole, "limits in strips");
     EXPECT_EQ(num_strips > 1, list_devices().devices[0].kind == DeviceKind::kSoftware);
   }
@@ -357,7 +360,7 @@ TEST_F(OnDevice, DepthLimitsAreThoseOfTheirRows) {
 // pixel let the field through, from the same place.
 TEST_F(OnDevice, MoreDepthLimitsThanABufferHoldsAreDrawnInBands) {
   OVOID_NIGHTLY_ON_DEVICE();
-  Scene scene = kernel_scene();
+  TestScene scene = kernel_scene();
   scene.options.width = 512;
   scene.options.height = 256;
   const auto limits_of = [&](std::uint32_t stops_per_pixel) {
@@ -383,7 +386,7 @@ TEST_F(OnDevice, MoreDepthLimitsThanABufferHoldsAreDrawnInBands) {
 
 // Fails if what a switch leaves out takes stops with it.
 TEST_F(OnDevice, SwitchesLeaveDepthLimitsAlone) {
-  for (Scene scene : {lattice_scene(false), kernel_scene()}) {
+  for (TestScene scene : {lattice_scene(false), kernel_scene()}) {
     const double lo = scene.look.transfer_function.lo();
     const double span = scene.look.transfer_function.hi() - lo;
     scene.look.transfer_function.opacities = {{lo + 0.4 * span, 0}, {lo + 0.6 * span, 1}};
@@ -400,7 +403,7 @@ TEST_F(OnDevice, SwitchesLeaveDepthLimitsAlone) {
 
 // Fails if what auto takes a device for is left to the cpu.
 TEST_F(OnDevice, AutoDrawsDepthLimits) {
-  Scene scene = lattice_scene(true);
+  TestScene scene = lattice_scene(true);
   scene.options.depth_limits = random_limits(scene, 15);
   const Frame frame = draw_with({.auto_takes_software = true}, scene);
   EXPECT_EQ(frame.profile.backend, "vulkan");
@@ -410,7 +413,7 @@ TEST_F(OnDevice, AutoDrawsDepthLimits) {
 // Fails if a software driver's loops end early in a pixel of many stops, and nobody is told.
 TEST_F(OnDevice, SoftwareDriversRefuseTooManyStops) {
   if (list_devices().devices[0].kind != DeviceKind::kSoftware) GTEST_SKIP() << "hardware";
-  for (Scene scene : {lattice_scene(true), kernel_scene()}) {
+  for (TestScene scene : {lattice_scene(true), kernel_scene()}) {
     auto limits = std::make_shared<DepthLimits>();
     limits->width = scene.options.width;
     limits->height = scene.options.height;

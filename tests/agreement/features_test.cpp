@@ -18,7 +18,7 @@ namespace features_test {
 std::string projection_name(bool is_parallel) { return is_parallel ? "parallel" : "perspective"; }
 
 // The scene's field with another kernel or reconstruction.
-void set_kernel(Scene& scene, const LatticeKernel& kernel, Reconstruction reconstruction) {
+void set_kernel(TestScene& scene, const LatticeKernel& kernel, Reconstruction reconstruction) {
   const Index3 dims = scene.lattice().geometry().dims;
   FieldSetup setup;
   setup.world_from_index = scene.lattice().geometry().world_from_index;
@@ -54,7 +54,7 @@ TEST_P(EveryMode, SlabsReconstructionsEvaluations) {
       if (mode() == Mode::kMinimum && reconstruction == Reconstruction::kSum) continue;
       for (const Slab slab : {Slab::kMid, Slab::kMean}) {
         for (const LatticeKernel& kernel : kOneSize) {
-          Scene scene = small_scene(mode(), is_parallel);
+          TestScene scene = small_scene(mode(), is_parallel);
           set_kernel(scene, kernel, reconstruction);
           scene.options.slab = slab;
           expect_agreement_however_evaluated(
@@ -72,7 +72,7 @@ TEST_P(EveryMode, SlabsReconstructionsEvaluations) {
 TEST_P(EveryMode, CentralDifferences) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
-    Scene scene = small_scene(mode(), is_parallel);
+    TestScene scene = small_scene(mode(), is_parallel);
     scene.options.gradient = GradientMethod::kCentral;
     expect_agreement_however_evaluated(scene,
                                        name() + ", " + projection_name(is_parallel) + ", central");
@@ -83,7 +83,7 @@ TEST_P(EveryMode, CentralDifferences) {
 TEST_P(EveryMode, ExactGradients) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const Slab slab : {Slab::kMid, Slab::kMean}) {
-    Scene scene = small_scene(mode(), slab == Slab::kMid);
+    TestScene scene = small_scene(mode(), slab == Slab::kMid);
     scene.options.slab = slab;
     scene.options.gradient = GradientMethod::kExact;
     expect_agreement_however_evaluated(
@@ -99,7 +99,7 @@ TEST_P(EveryMode, ClipPlanes) {
   const Vec3 slanted(-1.0, 0.6, 0.5);
   const ClipPlane oblique{slanted, slanted.dot(center) - 1.7};
   for (const bool is_parallel : {true, false}) {
-    Scene scene = small_scene(mode(), is_parallel);
+    TestScene scene = small_scene(mode(), is_parallel);
     const std::string view = name() + ", " + projection_name(is_parallel);
     scene.options.clip_planes = {straight};
     EXPECT_TRUE(backends_agree(scene, view + ", one plane"));
@@ -121,7 +121,7 @@ TEST(Agreement, ModesThatShowValuesOfThickSlices) {
   const Vec3 normal(0.4, -0.5, 0.7);
   for (const Mode mode : {Mode::kXray, Mode::kMaximum, Mode::kMinimum, Mode::kMean}) {
     for (const bool is_parallel : {true, false}) {
-      Scene scene = small_scene(mode, is_parallel);
+      TestScene scene = small_scene(mode, is_parallel);
       const double offset = normal.dot(scene.field.world_bounds().center());
       const double sheet = scene.field.default_sampling_distance();
       for (const double thickness : {0.3, 4.7}) {
@@ -142,7 +142,7 @@ TEST(Agreement, ThreeIsosurfaces) {
   OVOID_NIGHTLY_ON_DEVICE();
   if (tested_backend() == Backend::kVulkan) GTEST_SKIP() << "drawn by the cpu";
   for (const bool is_parallel : {true, false}) {
-    Scene scene = small_scene(Mode::kIsosurface, is_parallel);
+    TestScene scene = small_scene(Mode::kIsosurface, is_parallel);
     const double middle = scene.look.isovalue;
     scene.look.isosurfaces = {
         {middle, {}, 0.4}, {1.3 * middle, Rgb{0.9, 0.2, 0.1}, 0.5}, {0.7 * middle, {}, 1.0}};
@@ -158,7 +158,7 @@ TEST(Agreement, ThreeIsosurfaces) {
 TEST(Agreement, CutFaces) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
-    Scene scene = small_scene(Mode::kComposite, is_parallel);
+    TestScene scene = small_scene(Mode::kComposite, is_parallel);
     scene.options = picture(56, 44);
     scene.look.material = {0.1, 0.8, 0.4, 8};
     const Vec3 center = scene.field.world_bounds().center();
@@ -182,7 +182,7 @@ TEST(Agreement, CutFaces) {
         scene.look.occlusion = scene.look.shadows = 0.7;
         EXPECT_TRUE(backends_agree(scene, what + ", light from a volume", 0.02));
         if (classification == Classification::kSampled && tested_backend() != Backend::kVulkan) {
-          Scene on_lattice = scene;
+          TestScene on_lattice = scene;
           on_lattice.options.sheets = Sheets::kLattice;
           EXPECT_TRUE(backends_agree(on_lattice, what + ", lattice sheets", 0.02));
         }
@@ -194,7 +194,7 @@ TEST(Agreement, CutFaces) {
 // Fails if sheets at and before the near plane are drawn, or those just behind it are not.
 TEST_P(EveryMode, CameraInsideTheVolume) {
   OVOID_NIGHTLY_ON_DEVICE();
-  Scene scene = small_scene(mode(), false);
+  TestScene scene = small_scene(mode(), false);
   scene.camera.position = scene.field.world_bounds().center();
   scene.camera.focal_point = scene.camera.position + Vec3(1.1, 3.2, 4.0);
   scene.camera.view_angle = 70;
@@ -206,7 +206,7 @@ TEST_P(EveryMode, Minification) {
   OVOID_NIGHTLY_ON_DEVICE();
   const auto check = [&](bool is_parallel, double pitch, Reconstruction reconstruction,
                          const LatticeKernel& kernel) {
-    Scene scene = small_scene(mode(), is_parallel);
+    TestScene scene = small_scene(mode(), is_parallel);
     set_kernel(scene, kernel, reconstruction);
     scene.options = picture(20, 18, 1.5);
     const double half_height = 0.5 * 18 * pitch * scene.field.default_sampling_distance();
@@ -244,7 +244,7 @@ TEST(Agreement, KernelShapes) {
     for (const Reconstruction reconstruction :
          {Reconstruction::kNormalized, Reconstruction::kSum}) {
       for (const bool is_parallel : {true, false}) {
-        Scene scene = small_scene(Mode::kComposite, is_parallel);
+        TestScene scene = small_scene(Mode::kComposite, is_parallel);
         set_kernel(scene, kernel, reconstruction);
         const std::string name = "sigma " + std::to_string(kernel.sigma).substr(0, 3) + " cutoff " +
                                  std::to_string(kernel.cutoff).substr(0, 1) + ", " +
@@ -263,8 +263,8 @@ TEST(Agreement, HolesInEveryMode) {
   for (const LatticeKernel& kernel : kOneSize) {
     const LatticeField field = with_kernel(volume.field, kernel);
     for (int m = 0; m < 5; ++m) {
-      Scene scene{field, askew_camera(field, m % 2 == 0, 1.4),
-                  semi_transparent_look(volume.lo, volume.hi), picture(40, 36)};
+      TestScene scene{field, askew_camera(field, m % 2 == 0, 1.4),
+                      semi_transparent_look(volume.lo, volume.hi), picture(40, 36)};
       scene.look.mode = kModes[m];
       scene.look.isovalue = 0.3;
       expect_agreement_however_evaluated(
@@ -301,7 +301,7 @@ TEST(Agreement, PrefilteredField) {
     const LatticeField field = make_lattice_field(dataset, model);
     for (const TestLook& look : test_looks(0, 1)) {
       if (look.name == "colour step") continue;  // other tests' subject
-      const Scene scene{field, askew_camera(field, false, 1.4), look.look, picture(40, 36)};
+      const TestScene scene{field, askew_camera(field, false, 1.4), look.look, picture(40, 36)};
       expect_agreement_however_evaluated(
           scene, std::string("prefiltered, ") + name_of(kernel.kind) + ", " + look.name, 0.02);
     }
@@ -313,7 +313,7 @@ TEST(Agreement, SamplingDistances) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const double factor : {0.25, 0.5, 2.0, 4.0}) {
-      Scene scene = small_scene(Mode::kComposite, is_parallel);
+      TestScene scene = small_scene(Mode::kComposite, is_parallel);
       set_kernel(scene, kBSplineKernel, Reconstruction::kNormalized);
       scene.options.sampling_distance = factor * scene.field.default_sampling_distance();
       expect_agreement_however_evaluated(scene, projection_name(is_parallel) + ", sheets at " +
@@ -327,7 +327,7 @@ TEST(Agreement, LongSlabs) {
   for (const bool is_parallel : {true, false}) {
     for (const Reconstruction reconstruction :
          {Reconstruction::kNormalized, Reconstruction::kSum}) {
-      Scene scene = small_scene(Mode::kXray, is_parallel);
+      TestScene scene = small_scene(Mode::kXray, is_parallel);
       set_kernel(scene, {}, reconstruction);
       scene.options = picture(24, 20, 3.1, Slab::kMean);
       EXPECT_TRUE(backends_agree(
@@ -340,7 +340,7 @@ TEST(Agreement, LongSlabs) {
 // Fails if blocks smaller than a sample's own cell lose their kernels.
 TEST(Agreement, Magnification) {
   for (const bool is_parallel : {true, false}) {
-    Scene scene = small_scene(Mode::kComposite, is_parallel);
+    TestScene scene = small_scene(Mode::kComposite, is_parallel);
     scene.camera = askew_camera(scene.field, is_parallel, 25);
     scene.options.sampling_distance = 0.1;
     scene.options.post_convolution = PostConvolution::kOff;
@@ -353,7 +353,7 @@ TEST(Agreement, Light) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
-      Scene scene = small_scene(mode, is_parallel);
+      TestScene scene = small_scene(mode, is_parallel);
       scene.options = picture(48, 40);
       const std::string view =
           std::string(mode == Mode::kComposite ? "composite, " : "isosurface, ") +
@@ -384,7 +384,7 @@ TEST(Agreement, FurtherLights) {
   for (const bool is_parallel : {true, false}) {
     for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
       if (is_left_out(is_parallel ? 1 : 0, mode == Mode::kComposite ? 1 : 0)) continue;
-      Scene scene = small_scene(mode, is_parallel);
+      TestScene scene = small_scene(mode, is_parallel);
       scene.options = picture(48, 40);
       scene.look.material = {0.1, 0.4, 0.3, 7.5};
       const std::string view =
@@ -419,7 +419,7 @@ TEST(Agreement, UnlitLooksAreDimmed) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
-      Scene scene = small_scene(mode, is_parallel);
+      TestScene scene = small_scene(mode, is_parallel);
       scene.options = picture(48, 40);
       scene.look.shade = false;
       const std::string view =
@@ -457,7 +457,7 @@ TEST(Agreement, LightFromACoarseVolume) {
   for (const bool is_parallel : {true, false}) {
     for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
       if (is_left_out(is_parallel ? 1 : 0, mode == Mode::kComposite ? 1 : 0)) continue;
-      Scene scene = small_scene(mode, is_parallel);
+      TestScene scene = small_scene(mode, is_parallel);
       scene.options = picture(48, 40);
       scene.look.occlusion = 1;
       const std::string view =

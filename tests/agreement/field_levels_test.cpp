@@ -28,7 +28,7 @@ VolumeFunction rings(const Index3& dims) {
 }
 
 // A parallel view of pixels so many spacings (of the lattice's first axis) wide.
-Scene view_of(const LatticeField& field, double spacings, const Look& look) {
+TestScene view_of(const LatticeField& field, double spacings, const Look& look) {
   const double pixel = spacings * field.geometry().spacing()[0];
   constexpr int kPixels = 30;
   return {field,
@@ -37,7 +37,7 @@ Scene view_of(const LatticeField& field, double spacings, const Look& look) {
           look, picture(kPixels, kPixels)};
 }
 
-int level_of(const Scene& scene) {
+int level_of(const TestScene& scene) {
   return coarsest_level(scene.field, scene.camera, scene.options);
 }
 
@@ -53,11 +53,11 @@ TEST(FieldLevels, DoubleTheSpacingUpToAPixel) {
   EXPECT_EQ(level_of(view_of(field, 4, look)), 2);
   EXPECT_EQ(level_of(view_of(field, 64, look)), 2);  // of 33 samples
   for (const PostConvolution how : {PostConvolution::kOff, PostConvolution::kCubic}) {
-    Scene scene = view_of(field, 4, look);
+    TestScene scene = view_of(field, 4, look);
     scene.options.post_convolution = how;
     EXPECT_EQ(level_of(scene), 0);
   }
-  Scene within = view_of(field, 4, look);
+  TestScene within = view_of(field, 4, look);
   within.camera = perspective_camera(field.world_bounds().center(), Vec3(0, 0, -1), 80, 20);
   EXPECT_EQ(level_of(within), 0) << "the nearest pixels are narrow";
 }
@@ -75,7 +75,7 @@ TEST(FieldLevels, AreOfTheWidestSpacing) {
 }
 
 // What pixels would show if each were the mean of 4 x 4.
-Image mean_of_finer(Scene scene) {
+Image mean_of_finer(TestScene scene) {
   constexpr int kTimes = 4;
   const int width = scene.options.width, height = scene.options.height;
   scene.options.width *= kTimes;
@@ -116,7 +116,7 @@ TEST(FieldLevels, LoseNothingThatPixelsCanShow) {
     const bool is_sum = name == "sum";
     for (const TestLook& look : test_looks(0, is_sum ? 2.0 : 1.0)) {
       for (const double spacings : {2.0, 2.9}) {
-        Scene scene = view_of(field, is_sum ? 2 * spacings : spacings, look.look);
+        TestScene scene = view_of(field, is_sum ? 2 * spacings : spacings, look.look);
         ASSERT_GT(level_of(scene), 0) << name;
         const Image expected = mean_of_finer(scene);
         const double by_level = compare(draw(scene).image, expected).psnr_db;
@@ -137,8 +137,8 @@ TEST(FieldLevels, AreOfTheFieldThatIsDrawn) {
   const LatticeField bright = constant_field(dims, 0.9), dark = constant_field(dims, 0.2);
   Renderer renderer(tested_backend());
   for (const LatticeField* const field : {&bright, &dark, &bright}) {
-    const Scene scene = view_of(*field, 2, look);
-    EXPECT_EQ(renderer.render(scene.field, scene.camera, scene.look, scene.options).image.rgba,
+    const TestScene scene = view_of(*field, 2, look);
+    EXPECT_EQ(renderer.render({scene.field, scene.look}, scene.camera, scene.options).image.rgba,
               draw(scene).image.rgba);
   }
 }
@@ -147,7 +147,7 @@ TEST(FieldLevels, AreOfTheFieldThatIsDrawn) {
 TEST(FieldLevels, KeepTheUnitDistance) {
   OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = constant_field({64, 64, 64}, 0.5);
-  Scene scene = view_of(field, 2, uniform_look(0.02));
+  TestScene scene = view_of(field, 2, uniform_look(0.02));
   const Pixel by_level = center_pixel(draw(scene).image);
   scene.options.post_convolution = PostConvolution::kOff;
   EXPECT_NEAR(by_level.a(), center_pixel(draw(scene).image).a(), 0.01);

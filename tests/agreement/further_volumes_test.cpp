@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Several volumes in one picture: the cpu back end against the reference, and what a second volume
 // must not change (docs/numerics.md, "Several volumes").
-#include "ovoid/further_volumes.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -57,19 +55,19 @@ LatticeField second_field(const LatticeField& first, Lies how,
   return make_stored_field(dims, ripples(0.4), {}, setup);
 }
 
-Scene mixed_scene(bool is_parallel, Lies how) {
-  Scene scene = small_scene(Mode::kComposite, is_parallel);
-  scene.options.further = further_volumes({{second_field(scene.lattice(), how), embers()}});
+TestScene mixed_scene(bool is_parallel, Lies how) {
+  TestScene scene = small_scene(Mode::kComposite, is_parallel);
+  scene.further = {{second_field(scene.lattice(), how), embers()}};
   return scene;
 }
 
 // The first volume of a scene alone, drawn as it is with the others.
-Scene without_further(Scene scene) {
-  scene.options.further = nullptr;
+TestScene without_further(TestScene scene) {
+  scene.further.clear();
   return scene;
 }
 
-void expect_agreement(const Scene& scene, const std::string& name) {
+void expect_agreement(const TestScene& scene, const std::string& name) {
   EXPECT_TRUE(backends_agree(scene, name));
   // There is something of the second volume in it.
   EXPECT_LT(compare(draw(without_further(scene)).image, draw(scene).image).psnr_db, 35) << name;
@@ -92,7 +90,7 @@ TEST(FurtherVolumesAgreement, ViewsAndClassifications) {
   for (const Classification classification :
        {Classification::kRefined, Classification::kSampled, Classification::kPreintegrated}) {
     for (const bool is_parallel : {true, false}) {
-      Scene scene = mixed_scene(is_parallel, Lies::kAskew);
+      TestScene scene = mixed_scene(is_parallel, Lies::kAskew);
       scene.options.classification = classification;
       expect_agreement(scene, words_of(Lies::kAskew, is_parallel));
     }
@@ -103,17 +101,17 @@ TEST(FurtherVolumesAgreement, ViewsAndClassifications) {
 TEST(FurtherVolumesAgreement, AddedColors) {
   OVOID_NOT_ON_DEVICE("draws one volume");
   for (const Classification classification : {Classification::kRefined, Classification::kSampled}) {
-    Scene scene = mixed_scene(false, Lies::kAskew);
+    TestScene scene = mixed_scene(false, Lies::kAskew);
     scene.options.classification = classification;
     const Image averaged = draw(scene).image;
-    scene.options.mixing = Mixing::kAdded;
+    scene.mixing = Mixing::kAdded;
     EXPECT_TRUE(backends_agree(scene, "added"));
     EXPECT_LT(compare(averaged, draw(scene).image).psnr_db, 45);
   }
 }
 
 // On the first volume's own lattice: colours alone, from black to one colour.
-FurtherVolume blue_of(const LatticeField& first) {
+Volume blue_of(const LatticeField& first) {
   FieldSetup setup;
   setup.world_from_index = first.geometry().world_from_index;
   Look look = embers();
@@ -129,12 +127,12 @@ TEST(FurtherVolumesAgreement, ColoredFields) {
   for (const Sheets sheets : {Sheets::kImage, Sheets::kLattice}) {
     for (const Classification classification :
          {Classification::kRefined, Classification::kSampled}) {
-      Scene scene = small_scene(Mode::kComposite, false);
+      TestScene scene = small_scene(Mode::kComposite, false);
       scene.options.sheets = sheets;
       scene.options.classification = classification;
       const Image alone = draw(scene).image;
-      scene.options.further = further_volumes({blue_of(scene.lattice())});
-      scene.options.mixing = Mixing::kColored;
+      scene.further = {blue_of(scene.lattice())};
+      scene.mixing = Mixing::kColored;
       EXPECT_TRUE(backends_agree(scene, "colored"));
       const Image image = draw(scene).image;
       double blue = 0;
@@ -152,19 +150,19 @@ TEST(FurtherVolumesAgreement, ColoredFields) {
 // Pictures of the volumes alone are the measure. Fails if one is left out, or counts twice.
 TEST(FurtherVolumes, MaximaAddUp) {
   OVOID_NIGHTLY_ON_DEVICE();
-  Scene scene = mixed_scene(true, Lies::kAskew);
+  TestScene scene = mixed_scene(true, Lies::kAskew);
   scene.look.mode = Mode::kMaximum;
   Look second = embers();
   second.mode = Mode::kMaximum;
-  const LatticeField other = scene.options.further->front().field;
-  scene.options.further = further_volumes({{other, second}});
+  const Field other = scene.further.front().field;
+  scene.further = {{other, second}};
   const Image first_alone = draw(without_further(scene)).image;
-  Scene alone = without_further(scene);
+  TestScene alone = without_further(scene);
   alone.field = other;
   alone.look = second;
   const Image second_alone = draw(alone).image;
   for (const Mixing mixing : {Mixing::kAdded, Mixing::kAveraged}) {
-    scene.options.mixing = mixing;
+    scene.mixing = mixing;
     const Image both = draw(scene).image;
     for (std::size_t i = 0; i < both.rgba.size(); ++i) {
       const float opacity = first_alone.rgba[i | 3] + second_alone.rgba[i | 3];
@@ -181,7 +179,7 @@ TEST(FurtherVolumesAgreement, LatticeSheets) {
   OVOID_NOT_ON_DEVICE("draws one volume");
   for (const Lies how : kAllWays) {
     for (const bool is_parallel : {true, false}) {
-      Scene scene = mixed_scene(is_parallel, how);
+      TestScene scene = mixed_scene(is_parallel, how);
       scene.options.sheets = Sheets::kLattice;
       expect_agreement(scene, "lattice sheets, " + words_of(how, is_parallel));
     }
@@ -192,9 +190,9 @@ TEST(FurtherVolumesAgreement, LatticeSheets) {
 // are farther apart than its own.
 TEST(FurtherVolumesAgreement, LatticeSheetsOfTheFinerVolume) {
   OVOID_NOT_ON_DEVICE("draws one volume");
-  Scene scene = mixed_scene(false, Lies::kAlong);
-  const LatticeField coarse = scene.options.further->front().field;
-  scene.options.further = further_volumes({{scene.lattice(), scene.look}});
+  TestScene scene = mixed_scene(false, Lies::kAlong);
+  const Field coarse = scene.further.front().field;
+  scene.further = {{scene.lattice(), scene.look}};
   scene.field = coarse;
   scene.look = embers();
   scene.options.sheets = Sheets::kLattice;
@@ -205,7 +203,7 @@ TEST(FurtherVolumesAgreement, LatticeSheetsOfTheFinerVolume) {
 // late.
 TEST(FurtherVolumesAgreement, DifferencesPlanesAndLattices) {
   OVOID_NOT_ON_DEVICE("draws one volume");
-  Scene scene = mixed_scene(false, Lies::kAskew);
+  TestScene scene = mixed_scene(false, Lies::kAskew);
   scene.options.gradient = GradientMethod::kCentral;
   expect_agreement(scene, "central differences");
   // One volume takes differences, the other no gradients at all.
@@ -219,13 +217,12 @@ TEST(FurtherVolumesAgreement, DifferencesPlanesAndLattices) {
   scene.look.shade = true;
   expect_agreement(scene, "clipped and lit");
   scene.options.clip_planes.clear();
-  scene.options.further = further_volumes(
-      {{second_field(scene.lattice(), Lies::kAskew, LatticeKind::kBodyCentred), embers()}});
+  scene.further = {
+      {second_field(scene.lattice(), Lies::kAskew, LatticeKind::kBodyCentred), embers()}};
   expect_agreement(scene, "body-centred second volume");
-  scene.options.further = further_volumes(
-      {{second_field(scene.lattice(), Lies::kAlong), embers()},
-       {second_field(scene.lattice(), Lies::kReordered), semi_transparent_look(0, 1)},
-       {second_field(scene.lattice(), Lies::kAskew), embers()}});
+  scene.further = {{second_field(scene.lattice(), Lies::kAlong), embers()},
+                   {second_field(scene.lattice(), Lies::kReordered), semi_transparent_look(0, 1)},
+                   {second_field(scene.lattice(), Lies::kAskew), embers()}};
   expect_agreement(scene, "four volumes");
 }
 
@@ -233,7 +230,7 @@ TEST(FurtherVolumesAgreement, DifferencesPlanesAndLattices) {
 TEST(FurtherVolumesAgreement, DepthLimits) {
   OVOID_NOT_ON_DEVICE("draws one volume");
   for (const Classification classification : {Classification::kRefined, Classification::kSampled}) {
-    Scene scene = mixed_scene(false, Lies::kAskew);
+    TestScene scene = mixed_scene(false, Lies::kAskew);
     scene.options.classification = classification;
     scene.options.depth_limits = random_limits(scene, 8);
     expect_agreement(scene, "depth limits");
@@ -243,13 +240,13 @@ TEST(FurtherVolumesAgreement, DepthLimits) {
 // Fails if what one volume absorbs does not darken the other.
 TEST(FurtherVolumesAgreement, LightFromACoarseVolume) {
   OVOID_NOT_ON_DEVICE("draws one volume");
-  Scene scene = mixed_scene(true, Lies::kAskew);
+  TestScene scene = mixed_scene(true, Lies::kAskew);
   scene.look.occlusion = 0.8;
   scene.look.shadows = 0.7;
   scene.look.light = Light::kStudio;
   expect_agreement(scene, "occlusion and shadows");
   // The first volume shows nothing, but for a clear look's shadow; the second is no darker alone.
-  Scene lit = scene;
+  TestScene lit = scene;
   lit.look.occlusion = lit.look.shadows = 0;
   EXPECT_LT(compare(draw(lit).image, draw(scene).image).psnr_db, 40);
 }
@@ -257,12 +254,12 @@ TEST(FurtherVolumesAgreement, LightFromACoarseVolume) {
 // Fails if a look that is as steep as a step, or opaque, is drawn in other steps in company.
 TEST(FurtherVolumesAgreement, SteepLooks) {
   OVOID_NOT_ON_DEVICE("draws one volume");
-  Scene scene = mixed_scene(true, Lies::kAskew);
+  TestScene scene = mixed_scene(true, Lies::kAskew);
   scene.options.width = 48;
   scene.options.height = 40;
   Look opaque = embers();
   opaque.transfer_function.opacities = {{0.55, 0}, {0.6, 1}};
-  scene.options.further = further_volumes({{second_field(scene.lattice(), Lies::kAskew), opaque}});
+  scene.further = {{second_field(scene.lattice(), Lies::kAskew), opaque}};
   expect_agreement(scene, "an opaque second volume");
   scene.look.transfer_function.opacities = {{28, 0}, {30, 1}};
   expect_agreement(scene, "two opaque volumes");
@@ -272,13 +269,13 @@ TEST(FurtherVolumesAgreement, SteepLooks) {
 TEST(FurtherVolumes, DoNotDependOnTheirOrder) {
   OVOID_NOT_ON_DEVICE("draws one volume");
   for (const Sheets sheets : {Sheets::kImage, Sheets::kAuto}) {
-    Scene scene = mixed_scene(false, Lies::kAskew);
+    TestScene scene = mixed_scene(false, Lies::kAskew);
     scene.options.sheets = sheets;
-    const FurtherVolume second = scene.options.further->front();
-    Scene swapped = scene;
+    const Volume second = scene.further.front();
+    TestScene swapped = scene;
     swapped.field = second.field;
     swapped.look = second.look;
-    swapped.options.further = further_volumes({{scene.lattice(), scene.look}});
+    swapped.further = {{scene.lattice(), scene.look}};
     EXPECT_GE(compare(draw(scene).image, draw(swapped).image).psnr_db, 100);
   }
 }
@@ -287,13 +284,13 @@ TEST(FurtherVolumes, DoNotDependOnTheirOrder) {
 // number of steps, which half an opacity needs fewer of.
 TEST(FurtherVolumes, TwoHalvesMakeAWhole) {
   OVOID_NOT_ON_DEVICE("draws one volume");
-  Scene whole = small_scene(Mode::kComposite, false);
+  TestScene whole = small_scene(Mode::kComposite, false);
   whole.options.sampling_distance = 0.05;
-  Scene halves = whole;
+  TestScene halves = whole;
   // Opacities between two points go straight, not extinctions: a constant one is halved exactly.
   whole.look.transfer_function.opacities = {{20, 0.3}};
   halves.look.transfer_function.opacities = {{20, 1 - std::sqrt(1 - 0.3)}};
-  halves.options.further = further_volumes({{halves.lattice(), halves.look}});
+  halves.further = {{halves.lattice(), halves.look}};
   EXPECT_GE(compare(draw(halves).image, draw(whole).image).psnr_db, 60);
   EXPECT_GE(compare(draw(halves, Backend::kReference).image, draw(whole).image).psnr_db, 60);
 }
@@ -301,17 +298,17 @@ TEST(FurtherVolumes, TwoHalvesMakeAWhole) {
 // Where one volume alone shows something, the picture is that volume's own.
 TEST(FurtherVolumes, AloneAreAsWithoutTheOthers) {
   OVOID_NOT_ON_DEVICE("draws one volume");
-  Scene scene = mixed_scene(false, Lies::kAskew);
+  TestScene scene = mixed_scene(false, Lies::kAskew);
   scene.options.sampling_distance = 0.4;
   // The other lies elsewhere in the world, and shows a part of itself at the picture's border.
   FieldSetup setup;
   setup.world_from_index = scene.lattice().geometry().world_from_index;
   setup.world_from_index.translation() += Vec3(14, 0, 0);
   const LatticeField aside = make_stored_field({12, 11, 13}, ripples(0), {}, setup);
-  scene.options.further = further_volumes({{aside, embers()}});
+  scene.further = {{aside, embers()}};
   const Image both = draw(scene).image;
   const Image own = draw(without_further(scene)).image;
-  Scene other = without_further(scene);
+  TestScene other = without_further(scene);
   other.field = aside;
   other.look = embers();
   const Image others = draw(other).image;
@@ -332,13 +329,13 @@ TEST(FurtherVolumes, AloneAreAsWithoutTheOthers) {
 TEST(FurtherVolumes, ShortcutsAndThreadsChangeNothing) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const Sheets sheets : {Sheets::kImage, Sheets::kLattice}) {
-    Scene scene = mixed_scene(false, Lies::kAlong);
+    TestScene scene = mixed_scene(false, Lies::kAlong);
     scene.options.sheets = sheets;
     scene.options.width = 90;
     scene.options.height = 70;
     const auto draw_by = [&](int threads) {
       return Renderer(Backend::kCpu, threads)
-          .render(scene.field, scene.camera, scene.look, scene.options)
+          .render(scene.scene(), scene.camera, scene.options)
           .image;
     };
     const Image expected = draw_by(1);
@@ -353,14 +350,14 @@ TEST(FurtherVolumes, ShortcutsAndThreadsChangeNothing) {
 TEST(FurtherVolumes, HaveLevels) {
   OVOID_NOT_ON_DEVICE("draws one volume");
   const Index3 dims{80, 80, 80};
-  Scene scene;
+  TestScene scene;
   scene.field = make_field(dims, shells(dims));
   scene.look = semi_transparent_look(0, 1);
   scene.options = picture(24, 24);
   scene.camera = askew_camera(scene.field, true);
   FieldSetup finer;
   finer.world_from_index = scaled_axes(Vec3(0.5, 0.5, 0.5), Vec3(20, 20, 20));
-  scene.options.further = further_volumes({{make_field(dims, ripples(0), finer), embers()}});
+  scene.further = {{make_field(dims, ripples(0), finer), embers()}};
   const Frame frame = draw(scene);
   scene.options.post_convolution = PostConvolution::kOff;
   const Frame every = draw(scene);
@@ -370,7 +367,7 @@ TEST(FurtherVolumes, HaveLevels) {
             0.6 * static_cast<double>(every.profile.samples_reconstructed));
 }
 
-void expect_refused(const Scene& scene, ErrorCode code, const std::string& words) {
+void expect_refused(const TestScene& scene, ErrorCode code, const std::string& words) {
   for (const Backend backend : {Backend::kCpu, Backend::kReference}) {
     try {
       draw(scene, backend);
@@ -385,30 +382,30 @@ void expect_refused(const Scene& scene, ErrorCode code, const std::string& words
 // Fails if what cannot be drawn is, or the words do not say why.
 TEST(FurtherVolumes, RefuseWhatTheyCannotBeDrawnWith) {
   OVOID_NIGHTLY_ON_DEVICE();
-  const Scene good = mixed_scene(true, Lies::kAlong);
-  Scene bad = good;
-  bad.options.further = further_volumes({{LatticeField(), embers()}});
-  expect_refused(bad, ErrorCode::kInvalidArgument, "further[0].field");
-  const FurtherVolume one = good.options.further->front();
-  bad.options.further = further_volumes({one, one, one, one});
-  expect_refused(bad, ErrorCode::kInvalidArgument, "4 volumes, must be at most 3");
-  FurtherVolume other = one;
+  const TestScene good = mixed_scene(true, Lies::kAlong);
+  TestScene bad = good;
+  bad.further = {{LatticeField(), embers()}};
+  expect_refused(bad, ErrorCode::kInvalidArgument, "volumes[1].field");
+  const Volume one = good.further.front();
+  bad.further = {one, one, one, one};
+  expect_refused(bad, ErrorCode::kInvalidArgument, "volumes: 5 given, must be at most 4");
+  Volume other = one;
   other.look.mode = Mode::kMaximum;
-  bad.options.further = further_volumes({one, other});
-  expect_refused(bad, ErrorCode::kUnsupported, "further[1].look");
+  bad.further = {one, other};
+  expect_refused(bad, ErrorCode::kUnsupported, "volumes[2].look");
   for (const Mode mode : {Mode::kXray, Mode::kMean, Mode::kIsosurface}) {
     bad = good;
     bad.look.mode = mode;
     expect_refused(bad, ErrorCode::kUnsupported, "modes composite");
   }
   bad = good;
-  bad.options.mixing = Mixing::kColored;
+  bad.mixing = Mixing::kColored;
   expect_refused(bad, ErrorCode::kUnsupported, "another lattice");
   bad = good;
   bad.options.post_convolution = PostConvolution::kCubic;
   expect_refused(bad, ErrorCode::kUnsupported, "post-convolution");
   bad = good;
-  bad.options.further = further_volumes({});
+  bad.further = {};
   EXPECT_EQ(draw(bad).image.rgba, draw(without_further(good)).image.rgba);
 }
 

@@ -40,17 +40,17 @@ class FailingSource final : public BrickSource {
   mutable std::atomic<int> reads_left_;
 };
 
-Scene scene_of_many_tiles() {
-  Scene scene = small_scene(Mode::kComposite, true);
+TestScene scene_of_many_tiles() {
+  TestScene scene = small_scene(Mode::kComposite, true);
   scene.options = picture(101, 83);
   return scene;
 }
 
 class Hooks : public ::testing::TestWithParam<Backend> {
  protected:
-  Frame render(const Scene& scene, const RenderHooks& hooks, int threads = 3) const {
+  Frame render(const TestScene& scene, const RenderHooks& hooks, int threads = 3) const {
     return Renderer(GetParam(), threads)
-        .render(scene.field, scene.camera, scene.look, scene.options, hooks);
+        .render({scene.field, scene.look}, scene.camera, scene.options, hooks);
   }
 };
 
@@ -68,7 +68,7 @@ ErrorCode code_of(const std::function<void()>& work, std::string* message = null
 // progress falls or does not end at 1.
 TEST_P(Hooks, TilesCoverThePictureOnce) {
   OVOID_NIGHTLY_ON_DEVICE();
-  const Scene scene = scene_of_many_tiles();
+  const TestScene scene = scene_of_many_tiles();
   std::vector<int> times(static_cast<std::size_t>(scene.options.width * scene.options.height), 0);
   Image copied;
   copied.width = scene.options.width;
@@ -122,10 +122,10 @@ TEST_P(Hooks, StoppedBefore) {
 // Fails if a frame goes on to its end after a stop, or the renderer cannot be used afterwards.
 TEST_P(Hooks, StoppedAtTheFirstTile) {
   OVOID_NIGHTLY_ON_DEVICE();
-  const Scene scene = scene_of_many_tiles();
+  const TestScene scene = scene_of_many_tiles();
   Renderer renderer(GetParam(), 2);
   const auto frame = [&](const RenderHooks& hooks) {
-    return renderer.render(scene.field, scene.camera, scene.look, scene.options, hooks).image;
+    return renderer.render({scene.field, scene.look}, scene.camera, scene.options, hooks).image;
   };
   std::stop_source source;
   int num_tiles = 0;
@@ -144,7 +144,7 @@ TEST_P(Hooks, StoppedAtTheFirstTile) {
 TEST_P(Hooks, BrickSourceErrorsArrive) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const int num_reads : {0, 1}) {
-    Scene scene = scene_of_many_tiles();
+    TestScene scene = scene_of_many_tiles();
     scene.field = LatticeField(std::make_shared<FailingSource>(scene.lattice(), num_reads),
                                scene.lattice().kernel(), scene.field.reconstruction());
     std::string message;

@@ -112,8 +112,8 @@ class OneBrickSource final : public BrickSource {
 };
 
 // Scenes of all modes, with holes and without, over several tiles and blocks.
-std::vector<std::pair<std::string, Scene>> scenes() {
-  std::vector<std::pair<std::string, Scene>> result;
+std::vector<std::pair<std::string, TestScene>> scenes() {
+  std::vector<std::pair<std::string, TestScene>> result;
   const std::vector<TestVolume> volumes = test_volumes();
   const std::pair<Mode, const char*> modes[] = {{Mode::kComposite, "composite"},
                                                 {Mode::kXray, "xray"},
@@ -123,17 +123,17 @@ std::vector<std::pair<std::string, Scene>> scenes() {
   for (const TestVolume& volume : volumes) {
     for (const auto& [mode, mode_name] : modes) {
       const bool is_parallel = result.size() % 2 == 0;
-      Scene scene{volume.field, askew_camera(volume.field, is_parallel, 1.4),
-                  test_looks(volume.lo, volume.hi)[result.size() % 3].look, picture(60, 50)};
+      TestScene scene{volume.field, askew_camera(volume.field, is_parallel, 1.4),
+                      test_looks(volume.lo, volume.hi)[result.size() % 3].look, picture(60, 50)};
       scene.look.mode = mode;
       scene.look.isovalue = volume.lo + 0.55 * (volume.hi - volume.lo);
       result.emplace_back(volume.name + ", " + mode_name, scene);
     }
-    Scene central{volume.field, askew_camera(volume.field, true, 1.4),
-                  test_looks(volume.lo, volume.hi)[0].look, picture(60, 50)};
+    TestScene central{volume.field, askew_camera(volume.field, true, 1.4),
+                      test_looks(volume.lo, volume.hi)[0].look, picture(60, 50)};
     central.options.gradient = GradientMethod::kCentral;
     result.emplace_back(volume.name + ", central", central);
-    Scene pieces = central;
+    TestScene pieces = central;
     pieces.options.classification = Classification::kPreintegrated;
     result.emplace_back(volume.name + ", central, pre-integrated", pieces);
     pieces.options.gradient = GradientMethod::kCorrected;
@@ -142,17 +142,17 @@ std::vector<std::pair<std::string, Scene>> scenes() {
     pieces.look.transfer_function.gradient_opacities = {{0, 0.1},
                                                         {0.5 * (volume.hi - volume.lo), 1}};
     result.emplace_back(volume.name + ", pre-integrated, fading", pieces);
-    Scene slabs = central;
+    TestScene slabs = central;
     slabs.options = picture(60, 50, 0, Slab::kMean);
     result.emplace_back(volume.name + ", slab means", slabs);
     slabs.options.sampling_distance = 4 * volume.field.default_sampling_distance();
     result.emplace_back(volume.name + ", long slabs", slabs);
-    Scene covered{volume.field, askew_camera(volume.field, true, 6), uniform_look(0.9),
-                  picture(60, 50)};
+    TestScene covered{volume.field, askew_camera(volume.field, true, 6), uniform_look(0.9),
+                      picture(60, 50)};
     covered.options.sampling_distance = 0.1 * volume.field.default_sampling_distance();
     result.emplace_back(volume.name + ", behind what is opaque", covered);
     for (const Vec3& direction : {Vec3(0.2, 0.1, 1), Vec3(0.1, -1, 0.2), Vec3(1, 0.2, 0.1)}) {
-      Scene on_lattice = central;
+      TestScene on_lattice = central;
       on_lattice.camera.position = on_lattice.camera.focal_point + 100 * direction;
       on_lattice.camera.view_up = {0.3, 0.5, -0.7};
       on_lattice.options.gradient = GradientMethod::kAuto;
@@ -164,7 +164,7 @@ std::vector<std::pair<std::string, Scene>> scenes() {
   return result;
 }
 
-Frame draw_with(const Scene& scene, std::unique_ptr<cpu::Runner> runner) {
+Frame draw_with(const TestScene& scene, std::unique_ptr<cpu::Runner> runner) {
   const cpu::Machine machine{std::move(runner)};
   const RenderHooks hooks;
   std::optional<view::BasePlane> base;
@@ -219,8 +219,8 @@ TEST(Invariance, ThreadsAndTheirOrderOnKernelSets) {
   OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(9).source(), Reconstruction::kNormalized);
   for (const double fill : {1.3, 6.0}) {
-    const Scene scene{field, askew_camera(field, false, fill), semi_transparent_look(0, 1),
-                      picture(150, 140)};
+    const TestScene scene{field, askew_camera(field, false, fill), semi_transparent_look(0, 1),
+                          picture(150, 140)};
     const Image expected = draw_with(scene, cpu::make_runner(1)).image;
     for (const int threads : {2, 3})
       EXPECT_TRUE(same_bits(draw_with(scene, cpu::make_runner(threads)).image, expected))
@@ -236,8 +236,8 @@ TEST(Invariance, FramesOfOneRenderer) {
   Renderer renderer(Backend::kCpu, 2);
   std::vector<Image> first;
   const auto all = scenes();
-  const auto frame = [&](const Scene& s) {
-    return renderer.render(s.field, s.camera, s.look, s.options).image;
+  const auto frame = [&](const TestScene& s) {
+    return renderer.render({s.field, s.look}, s.camera, s.options).image;
   };
   for (const auto& [name, scene] : all) first.push_back(frame(scene));
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -258,7 +258,7 @@ TEST(Invariance, SkippingChangesNothing) {
     skipped_opaque += frame.profile.blocks_skipped_opaque;
     for (const bool keeps_irrelevant : {true, false}) {
       for (const bool keeps_opaque : {true, false}) {
-        Scene all = scene;
+        TestScene all = scene;
         all.options.skip_irrelevant = !keeps_irrelevant;
         all.options.stop_opaque = !keeps_opaque;
         const Frame thorough = draw_with(all, cpu::make_runner(2));
@@ -283,7 +283,7 @@ TEST(Invariance, ProfilesChangeNothing) {
   OVOID_NOT_UNDER_ASAN();
   OVOID_NIGHTLY_ON_DEVICE();
   for (const auto& [name, scene] : scenes()) {
-    Scene timed = scene;
+    TestScene timed = scene;
     timed.options.collect_profile = true;
     const Frame frame = draw_with(timed, cpu::make_runner(2));
     EXPECT_TRUE(same_bits(frame.image, draw_with(scene, cpu::make_runner(2)).image)) << name;
@@ -302,7 +302,7 @@ TEST(Invariance, BricksOneAtATime) {
   for (const auto& [name, scene] : scenes()) {
     const Image expected = draw_with(scene, cpu::make_runner(2)).image;
     for (const int edge : {4, 8, 16, 64}) {
-      Scene bricked = scene;
+      TestScene bricked = scene;
       bricked.field = LatticeField(std::make_shared<OneBrickSource>(scene.lattice(), edge),
                                    scene.lattice().kernel(), scene.field.reconstruction());
       EXPECT_TRUE(same_bits(draw_with(bricked, cpu::make_runner(2)).image, expected))
@@ -323,7 +323,7 @@ TEST(SimdTargets, EachAgreesWithTheReference) {
     for (const std::string& target : simd_targets()) {
       Renderer renderer(
           RendererSetup{.backend = Backend::kCpu, .threads = 2, .simd_target = target});
-      const Frame frame = renderer.render(scene.field, scene.camera, scene.look, scene.options);
+      const Frame frame = renderer.render({scene.field, scene.look}, scene.camera, scene.options);
       EXPECT_EQ(frame.profile.simd_target, target) << name;
       EXPECT_TRUE(images_agree(frame.image, expected, scene, target + ", " + name, 0));
     }

@@ -46,8 +46,8 @@ TEST(KernelSets, AgreeOnEverySetAndLook) {
     const KernelField field(set.numbers.source(), Reconstruction::kNormalized);
     for (const TestLook& look : test_looks(0, 1)) {
       for (const bool is_parallel : {true, false}) {
-        const Scene scene{field, askew_camera(field, is_parallel, is_parallel ? 1.0 : 1.6),
-                          look.look, direct_options(72, 66)};
+        const TestScene scene{field, askew_camera(field, is_parallel, is_parallel ? 1.0 : 1.6),
+                              look.look, direct_options(72, 66)};
         EXPECT_TRUE(
             backends_agree(scene, set.name + ", " + look.name + view_text(is_parallel), 0.002));
       }
@@ -63,7 +63,7 @@ TEST(KernelSets, AgreeInEveryMode) {
       Look look = semi_transparent_look(0, 1);
       look.mode = mode;
       look.isovalue = 0.62;
-      Scene scene{field, askew_camera(field, is_parallel, 1.3), look, direct_options(50, 70)};
+      TestScene scene{field, askew_camera(field, is_parallel, 1.3), look, direct_options(50, 70)};
       ImageTolerance tolerance;
       if (mode == Mode::kXray)
         tolerance.peak = greatest_color(draw(scene, Backend::kReference).image);
@@ -93,7 +93,8 @@ TEST(KernelSets, TellThreeIsosurfacesApart) {
     Look look = semi_transparent_look(0, 1);
     look.mode = Mode::kIsosurface;
     look.isosurfaces = {{0.62, {}, 0.5}, {0.7, Rgb{0.1, 0.2, 0.9}, 1.0}, {0.5, {}, 0.3}};
-    const Scene scene{field, askew_camera(field, is_parallel, 1.3), look, direct_options(50, 70)};
+    const TestScene scene{field, askew_camera(field, is_parallel, 1.3), look,
+                          direct_options(50, 70)};
     EXPECT_TRUE(backends_agree(scene, "three surfaces" + view_text(is_parallel)));
   }
 }
@@ -111,7 +112,7 @@ TEST(KernelSets, AgreeOnLightFromACoarseVolume) {
       look.shadows = 0.8;
       look.scatter = 0.5;
       look.material.specular = 0;  // which jumps where a normal passes the picture's plane
-      Scene scene{field, askew_camera(field, is_parallel, 1.3), look, direct_options(50, 70)};
+      TestScene scene{field, askew_camera(field, is_parallel, 1.3), look, direct_options(50, 70)};
       const std::string view =
           "mode " + std::to_string(static_cast<int>(mode)) + view_text(is_parallel);
       EXPECT_TRUE(backends_agree(scene, view + ", headlight with occlusion", 0.05));
@@ -129,8 +130,8 @@ TEST(KernelSets, AgreeOnSumsMeansAndProfiles) {
     for (const Reconstruction sum : {Reconstruction::kSum, Reconstruction::kNormalized}) {
       for (const Slab slab : {Slab::kMid, Slab::kMean}) {
         const KernelField field(numbers.source(), sum);
-        Scene scene{field, askew_camera(field, false, 1.2), semi_transparent_look(0, 1),
-                    direct_options(40, 40)};
+        TestScene scene{field, askew_camera(field, false, 1.2), semi_transparent_look(0, 1),
+                        direct_options(40, 40)};
         scene.options.slab = slab;
         ImageTolerance tolerance;
         if (profile == KernelProfile::kEpanechnikov && slab == Slab::kMean)
@@ -149,8 +150,8 @@ TEST(KernelSets, AgreeOnSumsMeansAndProfiles) {
 TEST(KernelSets, AgreeOnMeansOfEllipsoids) {
   const KernelField field(jittered_ellipsoids(7, 3).source(), Reconstruction::kNormalized);
   for (const bool is_parallel : {true, false}) {
-    Scene scene{field, askew_camera(field, is_parallel, 1.5), semi_transparent_look(0, 1),
-                direct_options(40, 44)};
+    TestScene scene{field, askew_camera(field, is_parallel, 1.5), semi_transparent_look(0, 1),
+                    direct_options(40, 44)};
     scene.options.slab = Slab::kMean;
     EXPECT_TRUE(backends_agree(scene, "means" + view_text(is_parallel)));
   }
@@ -160,9 +161,9 @@ TEST(KernelSets, AgreeOnOtherOptions) {
   OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(7).source(), Reconstruction::kNormalized);
   for (const bool is_parallel : {true, false}) {
-    const Scene plain{field, askew_camera(field, is_parallel, 1.3), semi_transparent_look(0, 1),
-                      direct_options(70, 40)};
-    Scene scene = plain;
+    const TestScene plain{field, askew_camera(field, is_parallel, 1.3), semi_transparent_look(0, 1),
+                          direct_options(70, 40)};
+    TestScene scene = plain;
     scene.options.classification = Classification::kPreintegrated;
     EXPECT_TRUE(backends_agree(scene, "pre-integrated" + view_text(is_parallel)));
     const std::vector<ClipPlane> clip_planes = {{{-1, 0.6, 0.5}, -0.1}, {{0.2, 1, 0}, 0.3}};
@@ -201,7 +202,7 @@ TEST(KernelSets, AgreeOnUnlitLooksThatAreDimmed) {
     look.occlusion = 0.9;
     look.shadows = 0.6;
     look.light_direction = Vec3(3, 1, -2);
-    const Scene scene{field, askew_camera(field, false, 1.3), look, direct_options(50, 70)};
+    const TestScene scene{field, askew_camera(field, false, 1.3), look, direct_options(50, 70)};
     EXPECT_TRUE(
         backends_agree(scene, "unlit, mode " + std::to_string(static_cast<int>(mode)), 0.05));
   }
@@ -217,7 +218,7 @@ TEST(KernelSets, AgreeOnFurtherLights) {
     look.isovalue = 0.62;
     look.material = {0.1, 0.4, 0, 1};  // highlights jump where a normal passes the picture's plane
     look.further_lights = {{Vec3(3, 1, -2), 0.7}, {Vec3(-1, 2, 0.5), 0.4}};
-    const Scene scene{field, askew_camera(field, false, 1.3), look, direct_options(50, 70)};
+    const TestScene scene{field, askew_camera(field, false, 1.3), look, direct_options(50, 70)};
     EXPECT_TRUE(backends_agree(
         scene, "further lights, mode " + std::to_string(static_cast<int>(mode)), 0.05));
   }
@@ -228,8 +229,8 @@ TEST(KernelSets, AgreeOnCutFaces) {
   OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(7).source(), Reconstruction::kNormalized);
   for (const bool is_parallel : {true, false}) {
-    Scene scene{field, askew_camera(field, is_parallel, 1.3), semi_transparent_look(0, 1),
-                direct_options(60, 50)};
+    TestScene scene{field, askew_camera(field, is_parallel, 1.3), semi_transparent_look(0, 1),
+                    direct_options(60, 50)};
     const Vec3 axis = (scene.camera.focal_point - scene.camera.position).normalized();
     const Vec3 center = field.world_bounds().center();
     for (const Vec3& lean : {Vec3(0.4, 0.1, -0.2), Vec3(-0.5, 0.5, 0.3)}) {
@@ -257,9 +258,9 @@ TEST(KernelSets, ColorMayComeFromAnotherAttribute) {
     for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
       look.mode = mode;
       look.isovalue = 0.5;
-      const Scene scene{field, askew_camera(field, false), look, direct_options(50, 50)};
+      const TestScene scene{field, askew_camera(field, false), look, direct_options(50, 50)};
       EXPECT_TRUE(backends_agree(scene, "own colour"));
-      Scene same = scene;
+      TestScene same = scene;
       same.field = KernelField(field.shared_source(), sum, 0);
       EXPECT_LT(compare(draw(same).image, draw(scene).image).psnr_db, 40);
     }
@@ -272,7 +273,7 @@ TEST(KernelSets, AgreeOnAllSizesAtOnce) {
   const KernelField field(balls_of_all_sizes(4000, 1e-4).source(), Reconstruction::kSum);
   for (const Slab slab : {Slab::kMid, Slab::kMean}) {
     Look look = semi_transparent_look(0, field.value_range().hi);
-    Scene scene{field, askew_camera(field, false, 1.2), look, direct_options(60, 60, 0.01)};
+    TestScene scene{field, askew_camera(field, false, 1.2), look, direct_options(60, 60, 0.01)};
     scene.options.slab = slab;
     EXPECT_TRUE(backends_agree(scene, "all sizes"));
   }
@@ -286,7 +287,7 @@ TEST(KernelSets, AgreeFromWithin) {
   camera.position = Vec3(0.5, 0.45, 0.6);
   camera.focal_point = Vec3(0.1, 0.3, 0.2);
   camera.view_angle = 80;
-  Scene scene{field, camera, semi_transparent_look(0, 1), direct_options(70, 50)};
+  TestScene scene{field, camera, semi_transparent_look(0, 1), direct_options(70, 50)};
   EXPECT_TRUE(backends_agree(scene, "from within", 0.5));
   scene.look.transfer_function.opacities = {{0.45, 0}, {0.5, 1}, {0.55, 0}};
   scene.options.classification = Classification::kPreintegrated;
@@ -301,7 +302,8 @@ TEST(KernelSets, SkippingChangesNoByte) {
   for (const TestLook& look : test_looks(0, 1)) {
     for (const PostConvolution levels : {PostConvolution::kOff, PostConvolution::kAuto}) {
       for (const std::vector<ClipPlane>& clip_planes : planes) {
-        Scene scene{field, askew_camera(field, false, 1.5), look.look, direct_options(130, 100)};
+        TestScene scene{field, askew_camera(field, false, 1.5), look.look,
+                        direct_options(130, 100)};
         scene.options.post_convolution = levels;
         scene.options.clip_planes = clip_planes;
         const Image skipped = draw(scene).image;
@@ -341,7 +343,7 @@ TEST(KernelSets, SkippingFaintSumsChangesNoByte) {
   for (const TestLook& look : looks) {
     for (const PostConvolution levels : {PostConvolution::kOff, PostConvolution::kAuto}) {
       for (const bool is_parallel : {true, false}) {
-        Scene scene{field, askew_camera(field, is_parallel), look.look, picture(200, 190)};
+        TestScene scene{field, askew_camera(field, is_parallel), look.look, picture(200, 190)};
         scene.options.post_convolution = levels;
         const Frame skipped = draw(scene);
         scene.options.skip_irrelevant = false;
@@ -391,7 +393,7 @@ TEST(KernelSets, BallsSmallerThanSamplesMerge) {
   looks.back().look.isovalue = 0.0005 * range.hi;
   for (const TestLook& look : looks) {
     for (const bool is_parallel : {true, false}) {
-      Scene scene{field, askew_camera(field, is_parallel), look.look, picture(90, 90, 0.02)};
+      TestScene scene{field, askew_camera(field, is_parallel), look.look, picture(90, 90, 0.02)};
       Frame merged = draw(scene);
       scene.options.post_convolution = PostConvolution::kOff;
       Frame direct = draw(scene);
@@ -419,7 +421,7 @@ TEST(KernelSets, LevelsAgreeWithDirectSums) {
     looks.push_back({"surface", with_mode(looks[3].look, Mode::kIsosurface)});
     looks.back().look.isovalue = 0.51;
     for (const TestLook& look : looks) {
-      Scene scene{field, askew_camera(field, false, 6), look.look, picture(150, 140)};
+      TestScene scene{field, askew_camera(field, false, 6), look.look, picture(150, 140)};
       const Image direct =
           draw({scene.field, scene.camera, scene.look, direct_options(150, 140)}).image;
       const ImageDifference difference = compare(draw(scene).image, direct);
@@ -451,8 +453,8 @@ TEST(KernelSets, SumsOnLevelsEndWhereTheirKernelsDo) {
         Look look = semi_transparent_look(-field.value_range().hi, field.value_range().hi);
         look.mode = mode;
         look.shade = false;  // of next to nothing: what is seen at the kernels' ends
-        Scene scene{field, askew_camera(field, is_parallel, 0.6), look, picture(190, 180)};
-        Scene direct = scene;
+        TestScene scene{field, askew_camera(field, is_parallel, 0.6), look, picture(190, 180)};
+        TestScene direct = scene;
         direct.options.post_convolution = PostConvolution::kOff;
         Image expected = draw(direct).image;
         Image image = draw(scene).image;
@@ -486,15 +488,15 @@ TEST(KernelSets, EqualTheLatticeOfTheSameKernels) {
   const LatticeField lattice =
       make_stored_field({kEdge, kEdge, kEdge}, values, {ScalarType::kFloat32, 0, 1}, setup);
   for (const bool is_parallel : {true, false}) {
-    Scene scene{set, askew_camera(lattice, is_parallel), semi_transparent_look(0, 1),
-                direct_options(60, 60, 1.0)};
+    TestScene scene{set, askew_camera(lattice, is_parallel), semi_transparent_look(0, 1),
+                    direct_options(60, 60, 1.0)};
     scene.options.slab = Slab::kMid;
     // Away from the borders, where the two end at different shares of the weights.
     for (int a = 0; a < 3; ++a) {
       scene.options.clip_planes.push_back({Vec3::Unit(a), 2.0});
       scene.options.clip_planes.push_back({-Vec3::Unit(a), -6.0});
     }
-    Scene same = scene;
+    TestScene same = scene;
     same.field = lattice;
     same.options.gradient = GradientMethod::kCentral;
     for (const Backend backend : {Backend::kReference, Backend::kCpu}) {

@@ -31,7 +31,7 @@ TransferFunction trail_haze() {
 }
 
 struct MovingSet {
-  Scene scene;
+  TestScene scene;
   Trail trail;
 };
 
@@ -55,8 +55,8 @@ MovingSet moving_set(Mode mode, bool is_parallel, int color_attribute = -1) {
 }
 
 Image draw_moving(const MovingSet& set, Backend backend = Backend::kCpu) {
-  const Scene& s = set.scene;
-  return Renderer(backend, 2).render(s.field, s.camera, s.look, set.trail, s.options).image;
+  const TestScene& s = set.scene;
+  return Renderer(backend, 2).render(with_trail(s.scene(), set.trail), s.camera, s.options).image;
 }
 
 void expect_trails_agree(const MovingSet& set, const std::string& name) {
@@ -140,7 +140,8 @@ TEST(KernelTrailAgreement, LimitsHoldForTheFieldAlone) {
   }
 }
 
-std::shared_ptr<DepthLimits> limits_everywhere(const Scene& scene, const DepthLimits::Stop& stop) {
+std::shared_ptr<DepthLimits> limits_everywhere(const TestScene& scene,
+                                               const DepthLimits::Stop& stop) {
   auto limits = std::make_shared<DepthLimits>();
   limits->width = scene.options.width;
   limits->height = scene.options.height;
@@ -208,7 +209,7 @@ TEST(KernelTrail, ShortcutsChangeNothing) {
     EXPECT_EQ(draw_moving(set).rgba, expected.rgba);
     EXPECT_EQ(
         Renderer(Backend::kCpu, 1)
-            .render(set.scene.field, set.scene.camera, set.scene.look, set.trail, set.scene.options)
+            .render(with_trail(set.scene.scene(), set.trail), set.scene.camera, set.scene.options)
             .image.rgba,
         expected.rgba);
   }

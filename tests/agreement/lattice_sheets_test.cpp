@@ -19,7 +19,7 @@
 namespace ovoid::test {
 namespace lattice_sheets_test {
 
-Scene on_lattice(Scene scene) {
+TestScene on_lattice(TestScene scene) {
   scene.options.sheets = Sheets::kLattice;
   return scene;
 }
@@ -55,7 +55,7 @@ Camera camera_from(const Field& field, const Vec3& direction, bool is_parallel, 
 
 // In perspective some rays may be at over 60 degrees; a base plane may be far larger than the
 // picture.
-bool must_be_image_sheets(const Scene& scene) {
+bool must_be_image_sheets(const TestScene& scene) {
   return !view::base_plane(scene.lattice(), view::support_of(scene.lattice(), 1.0, 0.0),
                            scene.camera, scene.options);
 }
@@ -65,7 +65,7 @@ TEST_F(LatticeSheets, AgreeInEveryModeAndView) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (int m = 0; m < 5; ++m) {
     for (const bool is_parallel : {true, false}) {
-      Scene scene = small_scene(kModes[m], is_parallel);
+      TestScene scene = small_scene(kModes[m], is_parallel);
       int number = 0;
       for (const Vec3& direction : views_of(scene.field)) {
         scene.camera = camera_from(scene.field, direction, is_parallel, 1.3);
@@ -84,10 +84,10 @@ TEST_F(LatticeSheets, AgreeOnEveryVolumeAndLook) {
     const bool is_one_sample = volume.field.num_kernels() == 1;
     for (const TestLook& look : test_looks(volume.lo, volume.hi)) {
       for (const bool is_parallel : {true, false}) {
-        Scene scene{volume.field,
-                    camera_from(volume.field, views_of(volume.field)[4], is_parallel,
-                                is_one_sample ? 8 : 1.4),
-                    look.look, picture(30, 26)};
+        TestScene scene{volume.field,
+                        camera_from(volume.field, views_of(volume.field)[4], is_parallel,
+                                    is_one_sample ? 8 : 1.4),
+                        look.look, picture(30, 26)};
         if (must_be_image_sheets(scene)) continue;
         if (is_one_sample)
           scene.options.sampling_distance = 0.06 * volume.field.default_sampling_distance();
@@ -100,47 +100,49 @@ TEST_F(LatticeSheets, AgreeOnEveryVolumeAndLook) {
   }
 }
 
-using Change = std::function<void(Scene&)>;
+using Change = std::function<void(TestScene&)>;
 
 TEST_F(LatticeSheets, AgreeWithOtherOptions) {
   OVOID_NIGHTLY_ON_DEVICE();
   const std::vector<std::pair<std::string, Change>> changes = {
-      {"sampled", [](Scene& s) { s.options.classification = Classification::kSampled; }},
+      {"sampled", [](TestScene& s) { s.options.classification = Classification::kSampled; }},
       {"pre-integrated",
-       [](Scene& s) { s.options.classification = Classification::kPreintegrated; }},
-      {"exact", [](Scene& s) { s.options.gradient = GradientMethod::kExact; }},
-      {"slab means", [](Scene& s) { s.options.slab = Slab::kMean; }},
-      {"no light", [](Scene& s) { s.look.shade = false; }},
-      {"a light", [](Scene& s) { s.look.light_direction = Vec3(0.3, 0.5, 1); }},
-      {"studio", [](Scene& s) { s.look.light = Light::kStudio; }},
+       [](TestScene& s) { s.options.classification = Classification::kPreintegrated; }},
+      {"exact", [](TestScene& s) { s.options.gradient = GradientMethod::kExact; }},
+      {"slab means", [](TestScene& s) { s.options.slab = Slab::kMean; }},
+      {"no light", [](TestScene& s) { s.look.shade = false; }},
+      {"a light", [](TestScene& s) { s.look.light_direction = Vec3(0.3, 0.5, 1); }},
+      {"studio", [](TestScene& s) { s.look.light = Light::kStudio; }},
       {"further lights",
-       [](Scene& s) {
+       [](TestScene& s) {
          s.look.further_lights = {{Vec3(3, 1, -2), 0.7}, {Vec3(-1, 2, 0.5), 0.4}};
        }},
       {"clipped",
-       [](Scene& s) {
+       [](TestScene& s) {
          const Vec3 center = s.field.world_bounds().center();
          const Vec3 across(-1.0, 0.6, 0.5);
          s.options.clip_planes = {{across, across.dot(center) - 0.7}};
        }},
       {"four sheets a spacing",
-       [](Scene& s) { s.options.sampling_distance = 0.25 * s.field.default_sampling_distance(); }},
+       [](TestScene& s) {
+         s.options.sampling_distance = 0.25 * s.field.default_sampling_distance();
+       }},
       {"magnified",
-       [](Scene& s) {
+       [](TestScene& s) {
          s.camera.zoom(9);
          s.options.post_convolution = PostConvolution::kOff;
        }},
-      {"small", [](Scene& s) { s.options.width = 7, s.options.height = 5; }},
-      {"one pixel", [](Scene& s) { s.options.width = s.options.height = 1; }},
+      {"small", [](TestScene& s) { s.options.width = 7, s.options.height = 5; }},
+      {"one pixel", [](TestScene& s) { s.options.width = s.options.height = 1; }},
       {"few pixels of a part",
-       [](Scene& s) {
+       [](TestScene& s) {
          s.options.width = s.options.height = 4;
          s.camera.zoom(2);
        }},
   };
   for (const bool is_parallel : {true, false}) {
     for (const auto& [name, change] : changes) {
-      Scene scene = small_scene(Mode::kComposite, is_parallel);
+      TestScene scene = small_scene(Mode::kComposite, is_parallel);
       scene.camera = camera_from(scene.field, views_of(scene.field)[4], is_parallel, 1.3);
       change(scene);
       EXPECT_TRUE(backends_agree(on_lattice(scene),
@@ -162,7 +164,7 @@ TEST_F(LatticeSheets, AgreeForEveryKindOfField) {
           setup.lattice = lattice;
           setup.reconstruction = how;
           setup.kernel = kernel;
-          Scene scene = small_scene(Mode::kComposite, is_parallel);
+          TestScene scene = small_scene(Mode::kComposite, is_parallel);
           scene.field =
               make_stored_field(dims, shells(dims), {ScalarType::kUInt16, 0, 4000}, setup);
           scene.look = semi_transparent_look(0, 4000);
@@ -192,8 +194,8 @@ TEST_F(LatticeSheets, AgreeInExtremeViews) {
     for (const bool is_parallel : {true, false}) {
       for (const Vec3& direction :
            {Vec3(1, 1, 1), Vec3(1, 1, 0), Vec3(0, 1, -1), Vec3(1, 0, 0), Vec3(0, 0, -1)}) {
-        Scene scene{field, camera_from(field, direction, is_parallel, 1.3),
-                    semi_transparent_look(0, 255), picture(24, 20)};
+        TestScene scene{field, camera_from(field, direction, is_parallel, 1.3),
+                        semi_transparent_look(0, 255), picture(24, 20)};
         if (must_be_image_sheets(scene)) continue;
         EXPECT_TRUE(backends_agree(
             on_lattice(scene),
@@ -214,7 +216,7 @@ TEST_F(LatticeSheets, SkippingAndStoppingChangeNoByte) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Mode mode : kModes) {
-      Scene scene = on_lattice(small_scene(mode, is_parallel));
+      TestScene scene = on_lattice(small_scene(mode, is_parallel));
       scene.camera = camera_from(scene.field, views_of(scene.field)[0], is_parallel, 1.3);
       scene.options.width = 150;
       scene.options.height = 90;
@@ -246,14 +248,14 @@ Image averaged(const Image& fine) {
   return image;
 }
 
-Scene opaque_waves(bool is_parallel, const Vec3& direction,
-                   LatticeKind kind = LatticeKind::kCartesian) {
+TestScene opaque_waves(bool is_parallel, const Vec3& direction,
+                       LatticeKind kind = LatticeKind::kCartesian) {
   const Index3 dims{40, 40, kind == LatticeKind::kBodyCentred ? 80 : 40};
   const LatticeGeometry lattice{dims, Affine3::Identity(), kind};
   FieldSetup setup;
   setup.kernel = kBSplineKernel;
   setup.lattice = kind;
-  Scene scene;
+  TestScene scene;
   scene.field = make_stored_field(
       dims,
       [lattice](std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -279,7 +281,7 @@ TEST_F(LatticeSheets, AreAsNearToTheMeanOfFinerRaysAsImageSheets) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const Vec3& direction : {Vec3(0.48, -0.31, 0.82), Vec3(0.6, -0.5, 0.8)}) {
-      Scene scene = opaque_waves(is_parallel, direction);
+      TestScene scene = opaque_waves(is_parallel, direction);
       const Image on_image = draw(scene).image;
       const Image picture = draw(on_lattice(scene)).image;
       scene.options.width *= 4;
@@ -301,7 +303,7 @@ TEST_F(LatticeSheets, NothingPopsWhereTheMainAxisChanges) {
   OVOID_NIGHTLY_ON_DEVICE();
   const auto drawn_at = [](double degrees) {
     const double angle = degrees * std::numbers::pi / 180;
-    Scene scene = opaque_waves(true, {std::sin(angle), 0.2, std::cos(angle)});
+    TestScene scene = opaque_waves(true, {std::sin(angle), 0.2, std::cos(angle)});
     scene.options = picture(240, 240);
     return draw(on_lattice(scene)).image;
   };
@@ -323,7 +325,7 @@ TEST_F(LatticeSheets, MagnifiedPicturesAreThoseOfAllSamples) {
   for (const bool is_parallel : {true, false}) {
     for (const double zoom : {4.0, 9.0, 20.0}) {
       for (const std::vector<OpacityPoint>& opacities : looks) {
-        Scene scene = on_lattice(opaque_waves(is_parallel, Vec3(0.48, -0.31, 0.82)));
+        TestScene scene = on_lattice(opaque_waves(is_parallel, Vec3(0.48, -0.31, 0.82)));
         scene.look.transfer_function.opacities = opacities;
         // Other modes go the same way, whatever their look.
         if (zoom == 9.0 && opacities.size() == 3) scene.look.mode = Mode::kMaximum;
@@ -349,7 +351,7 @@ TEST_F(LatticeSheets, MagnifiedPicturesAreThoseOfAllSamples) {
 // Lines of a steep look are thinner than samples apart: every sample is drawn.
 TEST_F(LatticeSheets, SteepLooksHaveAllSamples) {
   OVOID_NIGHTLY_ON_DEVICE();
-  Scene scene = on_lattice(opaque_waves(true, Vec3(0.48, -0.31, 0.82)));
+  TestScene scene = on_lattice(opaque_waves(true, Vec3(0.48, -0.31, 0.82)));
   scene.look.transfer_function.opacities = {{0.5, 0}, {0.505, 0.5}, {0.51, 0}};
   scene.camera.zoom(9);
   const Image few = draw(scene).image;
@@ -362,7 +364,7 @@ TEST_F(LatticeSheets, SteepLooksHaveAllSamples) {
 // on lattice sheets.
 TEST_F(LatticeSheets, AutoTakesThemOfBodyCentredLatticesInSmallAndMagnifiedPictures) {
   OVOID_NIGHTLY_ON_DEVICE();
-  Scene scene = opaque_waves(true, Vec3(0.48, -0.31, 0.82), LatticeKind::kBodyCentred);
+  TestScene scene = opaque_waves(true, Vec3(0.48, -0.31, 0.82), LatticeKind::kBodyCentred);
   scene.look.transfer_function.opacities = {{0.2, 0}, {1, 0.2}};
   const struct {
     int size;
@@ -388,7 +390,7 @@ TEST_F(LatticeSheets, AutoLeavesWideKernelsOfCartesianLatticesOnImageSheets) {
   const Index3 dims{20, 20, 20};
   FieldSetup setup;
   setup.kernel = {0.8, 3};
-  Scene scene = opaque_waves(true, Vec3(0.48, -0.31, 0.82));
+  TestScene scene = opaque_waves(true, Vec3(0.48, -0.31, 0.82));
   scene.field = make_stored_field(dims, shells(dims), {ScalarType::kFloat32, 0, 1}, setup);
   scene.look.transfer_function.opacities = {{0.2, 0}, {1, 0.2}};
   scene.camera = camera_from(scene.field, Vec3(0.48, -0.31, 0.82), true, 1.0);
@@ -401,7 +403,7 @@ TEST_F(LatticeSheets, AutoLeavesWideKernelsOfCartesianLatticesOnImageSheets) {
   }
 }
 
-void expect_refused(const Scene& scene, const std::string& reason) {
+void expect_refused(const TestScene& scene, const std::string& reason) {
   try {
     draw(on_lattice(scene));
     FAIL() << "was drawn, should say: " << reason;
@@ -413,8 +415,8 @@ void expect_refused(const Scene& scene, const std::string& reason) {
 
 TEST_F(LatticeSheets, SayWhatTheyCannotDraw) {
   OVOID_NIGHTLY_ON_DEVICE();
-  const Scene plain = small_scene(Mode::kComposite, false);
-  Scene scene = plain;
+  const TestScene plain = small_scene(Mode::kComposite, false);
+  TestScene scene = plain;
   scene.options.gradient = GradientMethod::kCentral;
   expect_refused(scene, "central differences");
   scene = plain;

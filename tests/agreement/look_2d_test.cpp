@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "ovoid/error.h"
-#include "ovoid/further_volumes.h"
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
@@ -47,8 +46,8 @@ Look look_by_gradient(const Field& field) {
   return look_by_gradient(range.lo, range.hi, field.default_sampling_distance());
 }
 
-Scene scene_by_gradient(bool is_parallel) {
-  Scene scene = small_scene(Mode::kComposite, is_parallel);
+TestScene scene_by_gradient(bool is_parallel) {
+  TestScene scene = small_scene(Mode::kComposite, is_parallel);
   scene.look = look_by_gradient(scene.field);
   return scene;
 }
@@ -59,9 +58,10 @@ TEST(Look2D, AgreesOnEveryVolume) {
   for (const TestVolume& volume : test_volumes()) {
     if (volume.name == "one sample") continue;  // has no gradient but rounding
     for (const bool is_parallel : {true, false}) {
-      Scene scene{volume.field, askew_camera(volume.field, is_parallel, 1.4),
-                  look_by_gradient(volume.lo, volume.hi, volume.field.default_sampling_distance()),
-                  picture(36, 30)};
+      TestScene scene{
+          volume.field, askew_camera(volume.field, is_parallel, 1.4),
+          look_by_gradient(volume.lo, volume.hi, volume.field.default_sampling_distance()),
+          picture(36, 30)};
       scene.options.post_convolution = PostConvolution::kOff;
       for (const Classification how : {Classification::kRefined, Classification::kSampled}) {
         scene.options.classification = how;
@@ -75,29 +75,29 @@ TEST(Look2D, AgreesOnEveryVolume) {
 TEST(Look2D, AgreesWithOtherOptions) {
   OVOID_NOT_ON_DEVICE("has no 2-D transfer function");
   const Vec3 normal(-1.0, 0.6, 0.5);
-  const std::pair<const char*, void (*)(Scene&)> kChanges[] = {
-      {"no light", [](Scene& s) { s.look.shade = false; }},
+  const std::pair<const char*, void (*)(TestScene&)> kChanges[] = {
+      {"no light", [](TestScene& s) { s.look.shade = false; }},
       {"sampled, no light",
-       [](Scene& s) {
+       [](TestScene& s) {
          s.look.shade = false;
          s.options.classification = Classification::kSampled;
        }},
-      {"central", [](Scene& s) { s.options.gradient = GradientMethod::kCentral; }},
-      {"exact", [](Scene& s) { s.options.gradient = GradientMethod::kExact; }},
+      {"central", [](TestScene& s) { s.options.gradient = GradientMethod::kCentral; }},
+      {"exact", [](TestScene& s) { s.options.gradient = GradientMethod::kExact; }},
       {"scatter",
-       [](Scene& s) {
+       [](TestScene& s) {
          s.options.classification = Classification::kSampled;
          s.options.evaluate = Evaluate::kScatter;
        }},
-      {"lattice sheets", [](Scene& s) { s.options.sheets = Sheets::kLattice; }},
+      {"lattice sheets", [](TestScene& s) { s.options.sheets = Sheets::kLattice; }},
   };
   for (const bool is_parallel : {true, false}) {
     for (const auto& [name, change] : kChanges) {
-      Scene scene = scene_by_gradient(is_parallel);
+      TestScene scene = scene_by_gradient(is_parallel);
       change(scene);
       EXPECT_TRUE(backends_agree(scene, name));
     }
-    Scene clipped = scene_by_gradient(is_parallel);
+    TestScene clipped = scene_by_gradient(is_parallel);
     clipped.options.clip_planes = {
         {normal, normal.dot(clipped.field.world_bounds().center()) - 0.7}};
     EXPECT_TRUE(backends_agree(clipped, "clipped", 0.02));
@@ -108,8 +108,8 @@ TEST(Look2D, AgreesOnSetsOfKernels) {
   OVOID_NOT_ON_DEVICE("has no 2-D transfer function");
   const KernelField field(jittered_ellipsoids(8).source(), Reconstruction::kNormalized);
   for (const bool is_parallel : {true, false}) {
-    Scene scene{field, askew_camera(field, is_parallel, 1.2), look_by_gradient(field),
-                picture(36, 30)};
+    TestScene scene{field, askew_camera(field, is_parallel, 1.2), look_by_gradient(field),
+                    picture(36, 30)};
     EXPECT_TRUE(backends_agree(scene, "kernels"));
     scene.options.classification = Classification::kSampled;
     EXPECT_TRUE(backends_agree(scene, "kernels, sampled"));
@@ -119,15 +119,14 @@ TEST(Look2D, AgreesOnSetsOfKernels) {
 // Fails if volumes that are mixed take each other's function.
 TEST(Look2D, AgreesWithAFurtherVolume) {
   OVOID_NOT_ON_DEVICE("has no 2-D transfer function");
-  Scene scene = scene_by_gradient(true);
+  TestScene scene = scene_by_gradient(true);
   Look plain = semi_transparent_look(scene.field.value_range().lo, scene.field.value_range().hi);
   plain.occlusion = plain.shadows = 0;
-  Scene other = scene;
+  TestScene other = scene;
   other.look = plain;
-  for (Scene* const one : {&scene, &other}) {
+  for (TestScene* const one : {&scene, &other}) {
     const Look& beside = one == &scene ? plain : scene.look;
-    one->options.further = std::make_shared<const std::vector<FurtherVolume>>(
-        std::vector<FurtherVolume>{{scene.lattice(), beside}});
+    one->further = {{scene.field, beside}};
     EXPECT_TRUE(backends_agree(*one, one == &scene ? "2-D first" : "2-D beside"));
   }
 }
@@ -136,7 +135,7 @@ TEST(Look2D, AgreesWithAFurtherVolume) {
 TEST(Look2D, SkippingChangesNoByte) {
   OVOID_NOT_ON_DEVICE("has no 2-D transfer function");
   for (const bool is_refined : {true, false}) {
-    Scene scene = scene_by_gradient(false);
+    TestScene scene = scene_by_gradient(false);
     const ValueRange range = scene.field.value_range();
     const double middle = 0.5 * (static_cast<double>(range.lo) + range.hi);
     scene.look.transfer_function_2d = TransferFunction2D(
@@ -157,7 +156,7 @@ TEST(Look2D, IsTheLookThatItRepeatsAlongTheGradient) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_refined : {true, false}) {
     for (const Backend backend : {Backend::kReference, Backend::kCpu}) {
-      Scene scene = small_scene(Mode::kComposite, true);
+      TestScene scene = small_scene(Mode::kComposite, true);
       scene.look.occlusion = scene.look.shadows = 0;
       scene.options.classification =
           is_refined ? Classification::kRefined : Classification::kSampled;
@@ -187,8 +186,8 @@ TEST(Look2D, IsTheLookThatItRepeatsAlongTheGradient) {
 // Fails if something is silently drawn otherwise than it was asked for.
 TEST(Look2D, RefusesWhatHasNoGradient) {
   OVOID_NIGHTLY_ON_DEVICE();
-  const auto error_of = [](void (*change)(Scene&)) -> std::string {
-    Scene scene = scene_by_gradient(true);
+  const auto error_of = [](void (*change)(TestScene&)) -> std::string {
+    TestScene scene = scene_by_gradient(true);
     change(scene);
     try {
       draw(scene, Backend::kCpu);
@@ -197,15 +196,15 @@ TEST(Look2D, RefusesWhatHasNoGradient) {
     }
     return "drawn";
   };
-  EXPECT_NE(error_of([](Scene& s) { s.look.mode = Mode::kMaximum; }).find("mode composite"),
+  EXPECT_NE(error_of([](TestScene& s) { s.look.mode = Mode::kMaximum; }).find("mode composite"),
             std::string::npos);
-  EXPECT_NE(error_of([](Scene& s) {
+  EXPECT_NE(error_of([](TestScene& s) {
               s.options.classification = Classification::kPreintegrated;
             }).find("pre-integrated"),
             std::string::npos);
-  EXPECT_NE(error_of([](Scene& s) { s.look.shadows = 0.5; }).find("both must be 0"),
+  EXPECT_NE(error_of([](TestScene& s) { s.look.shadows = 0.5; }).find("both must be 0"),
             std::string::npos);
-  EXPECT_NE(error_of([](Scene& s) {
+  EXPECT_NE(error_of([](TestScene& s) {
               s.look.transfer_function.gradient_opacities = {{0, 0}, {1, 1}};
             }).find("gradient_opacities"),
             std::string::npos);

@@ -29,15 +29,15 @@ LatticeField sample_field(const char* name) {
   return make_lattice_field(make_sample(name, {.size = {48, 48, 48}}));
 }
 
-Frame drawn(Scene scene, PostConvolution how) {
+Frame drawn(TestScene scene, PostConvolution how) {
   scene.options.post_convolution = how;
   scene.options.collect_profile = true;
   return draw(scene);
 }
 
 // `pixels` per spacing in the middle of the picture.
-Scene magnified(const LatticeField& field, const Look& look, bool is_parallel, double pixels,
-                int width = 180, int height = 150) {
+TestScene magnified(const LatticeField& field, const Look& look, bool is_parallel, double pixels,
+                    int width = 180, int height = 150) {
   const double sphere = field.world_bounds().diagonal().norm() / field.geometry().spacing()[0];
   return {field, askew_camera(field, is_parallel, sphere * pixels / height), look,
           picture(width, height)};
@@ -54,7 +54,7 @@ TEST(PostConvolution, AgreesWithEveryPixelWorkedOut) {
     const ValueRange range = field.value_range();
     for (const TestLook& look : test_looks(range.lo, range.hi)) {
       for (const bool is_parallel : {true, false}) {
-        const Scene scene = magnified(field, look.look, is_parallel, 8);
+        const TestScene scene = magnified(field, look.look, is_parallel, 8);
         const Frame exact = drawn(scene, PostConvolution::kOff);
         const Frame fast = drawn(scene, PostConvolution::kAuto);
         const ImageDifference difference = compare(fast.image, exact.image);
@@ -79,7 +79,8 @@ TEST(PostConvolution, AgreesInEveryMode) {
   const LatticeField field = shells_field();
   for (const Mode mode : {Mode::kXray, Mode::kMaximum, Mode::kMean}) {
     for (const double pixels : {4.0, 7.3, 16.0, 40.0}) {
-      Scene scene = magnified(field, with_mode(semi_transparent_look(0, 1), mode), true, pixels);
+      TestScene scene =
+          magnified(field, with_mode(semi_transparent_look(0, 1), mode), true, pixels);
       const Frame exact = drawn(scene, PostConvolution::kOff);
       const ImageDifference difference = compare(drawn(scene, PostConvolution::kAuto).image,
                                                  exact.image, greatest_color(exact.image));
@@ -95,7 +96,7 @@ TEST(PostConvolution, AgreesOnWhatIsNoSingleSample) {
   OVOID_NOT_UNDER_ASAN();
   OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = shells_field();
-  const auto agrees = [](const Scene& scene, const char* what) {
+  const auto agrees = [](const TestScene& scene, const char* what) {
     const Frame exact = drawn(scene, PostConvolution::kOff);
     const Frame fast = drawn(scene, PostConvolution::kAuto);
     const ImageDifference difference = compare(fast.image, exact.image);
@@ -110,8 +111,8 @@ TEST(PostConvolution, AgreesOnWhatIsNoSingleSample) {
     }
   };
   for (const bool is_parallel : {true, false}) {
-    const Scene plain = magnified(field, semi_transparent_look(0, 1), is_parallel, 8, 90, 70);
-    Scene scene = plain;
+    const TestScene plain = magnified(field, semi_transparent_look(0, 1), is_parallel, 8, 90, 70);
+    TestScene scene = plain;
     scene.options.classification = Classification::kPreintegrated;
     agrees(scene, "pre-integrated");
     scene = plain;
@@ -133,7 +134,7 @@ TEST(PostConvolution, AgreesFromWithin) {
   OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = sample_field("head");
   const ValueRange range = field.value_range();
-  Scene scene = magnified(field, semi_transparent_look(range.lo, range.hi), false, 6, 200, 170);
+  TestScene scene = magnified(field, semi_transparent_look(range.lo, range.hi), false, 6, 200, 170);
   const Vec3 middle = field.world_bounds().center();
   const Vec3 forward = (scene.camera.focal_point - scene.camera.position).normalized();
   const double spacing = field.geometry().spacing()[0];
@@ -151,7 +152,7 @@ TEST(PostConvolution, AgreesFromWithin) {
 TEST(PostConvolution, ClipPlanesStaySharp) {
   OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = shells_field();
-  Scene scene = magnified(field, semi_transparent_look(0, 1), false, 8);
+  TestScene scene = magnified(field, semi_transparent_look(0, 1), false, 8);
   const Vec3 normal(-1, 0.6, 0.5);
   for (const bool stops : {true, false}) {
     scene.options.stop_opaque = stops;
@@ -176,7 +177,7 @@ TEST(PostConvolution, HolesStayAsTheyAre) {
                           return (i + 2 * j + 3 * k) % 97 == 0 ? kMissing : whole(i, j, k);
                         },
                         {});
-  const Scene scene = magnified(field, semi_transparent_look(0, 1), true, 8);
+  const TestScene scene = magnified(field, semi_transparent_look(0, 1), true, 8);
   const ImageDifference difference = compare(drawn(scene, PostConvolution::kAuto).image,
                                              drawn(scene, PostConvolution::kOff).image);
   EXPECT_GE(difference.psnr_db, 60) << difference.to_string();
@@ -185,11 +186,11 @@ TEST(PostConvolution, HolesStayAsTheyAre) {
 // The picture does not depend on who draws which patch.
 TEST(PostConvolution, ThreadsChangeNothing) {
   OVOID_NIGHTLY_ON_DEVICE();
-  const Scene scene = magnified(shells_field(), semi_transparent_look(0, 1), false, 8);
+  const TestScene scene = magnified(shells_field(), semi_transparent_look(0, 1), false, 8);
   Renderer one(Backend::kCpu, 1);
   Renderer four(Backend::kCpu, 4);
   const auto image_of = [&](Renderer& renderer) {
-    return renderer.render(scene.field, scene.camera, scene.look, scene.options).image;
+    return renderer.render({scene.field, scene.look}, scene.camera, scene.options).image;
   };
   EXPECT_EQ(image_of(one).rgba, image_of(four).rgba);
 }
@@ -198,13 +199,13 @@ constexpr int kSheetSize = 128;
 
 // A slice of a deep volume that is the same all along z, seen along z, as gray as the field. Clip
 // planes keep the sheets of one patch that is nowhere near a face.
-Scene slice_scene(const LatticeField& field, double pixels, double roll_degrees) {
+TestScene slice_scene(const LatticeField& field, double pixels, double roll_degrees) {
   const Vec3 center = field.world_bounds().center();
   Camera camera = parallel_camera(center, Vec3(0, 0, 1), 0.5 * kSheetSize / pixels);
   const double roll = roll_degrees * std::numbers::pi / 180;
   camera.view_up = Vec3(std::sin(roll), std::cos(roll), 0);
-  Scene scene{field, camera, with_mode(gray_look(0, 1), Mode::kMean),
-              picture(kSheetSize, kSheetSize, 1.0)};
+  TestScene scene{field, camera, with_mode(gray_look(0, 1), Mode::kMean),
+                  picture(kSheetSize, kSheetSize, 1.0)};
   scene.options.clip_planes = {{{0, 0, 1}, center.z() - 3}, {{0, 0, -1}, -center.z() - 3}};
   return scene;
 }
@@ -248,7 +249,7 @@ TEST(PostConvolution, PublishedFiltersAreWhatTheyAreCalled) {
   const LatticeField field = deep_field(shells({90, 90, 1}));
   const FieldSampler sampler{Field(field)};
   for (const double pixels : {3.0, 4.0, 5.3}) {
-    const Scene scene = slice_scene(field, pixels, 27);
+    const TestScene scene = slice_scene(field, pixels, 27);
     for (const PostConvolution how :
          {PostConvolution::kBilinear, PostConvolution::kGaussian, PostConvolution::kCubic}) {
       const Image image = drawn(scene, how).image;
@@ -300,7 +301,7 @@ TEST(PostConvolution, WhatTheWaysLose) {
   double cubic_of_smooth = 0, cubic_of_rough = 0;
   for (const double limit : {0.15, 0.3, 0.45}) {
     const LatticeField field = deep_field(band_limited(limit));
-    const Scene scene = slice_scene(field, 4, 27);
+    const TestScene scene = slice_scene(field, 4, 27);
     const Image exact = drawn(scene, PostConvolution::kOff).image;
     const auto psnr = [&](PostConvolution how) {
       return compare(drawn(scene, how).image, exact).psnr_db;
@@ -326,7 +327,7 @@ TEST(PostConvolution, ConvolvingAfterShadingIsWorse) {
   OVOID_NIGHTLY_ON_DEVICE();
   const LatticeField field = sample_field("head");
   const ValueRange range = field.value_range();
-  Scene scene = magnified(field, semi_transparent_look(range.lo, range.hi), true, 8, 160, 160);
+  TestScene scene = magnified(field, semi_transparent_look(range.lo, range.hi), true, 8, 160, 160);
   const Image exact = drawn(scene, PostConvolution::kOff).image;
   const double before = compare(drawn(scene, PostConvolution::kAuto).image, exact).psnr_db;
   // Every third pixel: as far apart as auto's nodes.
@@ -375,7 +376,7 @@ TEST(PostConvolution, FlatSurfacesHaveNoPattern) {
   Look look = uniform_look(1);
   look.shade = true;
   look.transfer_function.opacities = {{0.44, 0}, {0.4401, 1}};
-  Scene scene = magnified(field, look, true, 16, 100, 90);
+  TestScene scene = magnified(field, look, true, 16, 100, 90);
   scene.options.sampling_distance = 0.2;
   const Frame fast = drawn(scene, PostConvolution::kAuto);
   EXPECT_LT(fast.profile.samples_reconstructed,
@@ -405,8 +406,8 @@ TEST(PostConvolution, ExtremesAgree) {
   for (const Extreme& at : {Extreme{1000, 64, 50}, Extreme{8, 3, 2}, Extreme{8, 1, 1},
                             Extreme{0.01, 40, 40}, Extreme{6, 20000, 3}}) {
     for (const bool is_parallel : {true, false}) {
-      Scene scene = magnified(field, semi_transparent_look(0, 1), is_parallel, at.pixels, at.width,
-                              at.height);
+      TestScene scene = magnified(field, semi_transparent_look(0, 1), is_parallel, at.pixels,
+                                  at.width, at.height);
       for (const PostConvolution how : {PostConvolution::kAuto, PostConvolution::kCubic}) {
         if (is_published(how)) scene.options.classification = Classification::kSampled;
         SCOPED_TRACE(fmt::format("{} pixels per spacing, {} x {}", at.pixels, at.width, at.height));

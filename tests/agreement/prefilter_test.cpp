@@ -134,7 +134,7 @@ TEST(PrefilteredPlanes, BackEndsHaveTheReferencesLimits) {
   for (const LatticeKernel& kernel : kKernels) {
     const LatticeField field = prefiltered(data, kernel);
     const Bounds3 bounds = field.world_bounds();
-    Scene scene;
+    TestScene scene;
     scene.field = field;
     scene.look.mode = Mode::kXray;
     scene.options = picture(static_cast<int>(kPrefilteredDims[0]) - 6,

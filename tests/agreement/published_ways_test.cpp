@@ -25,13 +25,13 @@ struct View {
 // The middle of a lattice, and no more of it than a slab across the view axis: whatever groups and
 // patches it falls into, their nodes' kernels are all there, so that both back ends take every
 // pixel from nodes.
-Scene inner_scene(const Look& look, const View& at) {
+TestScene inner_scene(const Look& look, const View& at) {
   static const LatticeField field = make_stored_field({60, 60, 60}, shells({18, 18, 18}), {});
   // Those that take long are smaller to begin with, and show enough all the same.
   const int shrink = at.width < View{}.width ? kPublishedShrink : 1;
   const int width = at.width / shrink;
   const int height = at.height / shrink;
-  Scene scene{field, {}, look, picture(width, height, 0.5)};
+  TestScene scene{field, {}, look, picture(width, height, 0.5)};
   const double half_height = 0.5 * height / at.pixels;
   const Vec3 center = field.world_bounds().center();
   const Vec3 direction(0.48, -0.31, 0.82);
@@ -46,15 +46,15 @@ Scene inner_scene(const Look& look, const View& at) {
 }
 
 // Pictures that pass for each other would say nothing about the ways.
-void expect_other(const Image& image, const Image& off, const Scene& scene,
+void expect_other(const Image& image, const Image& off, const TestScene& scene,
                   const std::string& what) {
   const double peak = scene.look.mode == Mode::kXray ? greatest_color(off) : 1.0;
   EXPECT_LT(compare(image, off, peak).psnr_db, kAgreementPsnrDb - 5) << what;
 }
 
 // Each published way on both back ends, none of them for `off`'s.
-void expect_ways_agree(Scene scene, const std::string& name, double least_covered) {
-  Scene exact = scene;
+void expect_ways_agree(TestScene scene, const std::string& name, double least_covered) {
+  TestScene exact = scene;
   exact.options.post_convolution = PostConvolution::kOff;
   exact.options.spread = Spread::kGaussian;
   const Image off = draw(exact).image;
@@ -68,10 +68,11 @@ void expect_ways_agree(Scene scene, const std::string& name, double least_covere
 }
 
 // The look, and the options but for the way, are `change`'s.
-void expect_agreement(const std::string& name, View at, const std::function<void(Scene&)>& change) {
+void expect_agreement(const std::string& name, View at,
+                      const std::function<void(TestScene&)>& change) {
   for (const bool is_parallel : {true, false}) {
     at.is_parallel = is_parallel;
-    Scene scene = inner_scene(semi_transparent_look(0, 1), at);
+    TestScene scene = inner_scene(semi_transparent_look(0, 1), at);
     change(scene);
     expect_ways_agree(scene, name + (is_parallel ? ", parallel" : ", perspective"), 0.2);
   }
@@ -80,45 +81,45 @@ void expect_agreement(const std::string& name, View at, const std::function<void
 TEST(PublishedWays, LatticesAgreeInComposite) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
-  expect_agreement("composite", {}, [](Scene&) {});
+  expect_agreement("composite", {}, [](TestScene&) {});
 }
 
 TEST(PublishedWays, LatticesAgreeOnOpaquePeaks) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("peak", {.thickness = 4},
-                   [](Scene& scene) { scene.look = test_looks(0, 1).front().look; });
+                   [](TestScene& scene) { scene.look = test_looks(0, 1).front().look; });
 }
 
 // So few pixels per node that a patch has nearly as many nodes as there may be.
 TEST(PublishedWays, LatticesAgreeOnDenseNodes) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
-  expect_agreement("dense nodes", {.pixels = 2.2}, [](Scene&) {});
+  expect_agreement("dense nodes", {.pixels = 2.2}, [](TestScene&) {});
 }
 
 TEST(PublishedWays, LatticesAgreeInXray) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
-  expect_agreement("x-ray", {}, [](Scene& scene) { scene.look.mode = Mode::kXray; });
+  expect_agreement("x-ray", {}, [](TestScene& scene) { scene.look.mode = Mode::kXray; });
 }
 
 TEST(PublishedWays, LatticesAgreeInMaximum) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
-  expect_agreement("maximum", {}, [](Scene& scene) { scene.look.mode = Mode::kMaximum; });
+  expect_agreement("maximum", {}, [](TestScene& scene) { scene.look.mode = Mode::kMaximum; });
 }
 
 TEST(PublishedWays, LatticesAgreeInMean) {
   OVOID_NIGHTLY_ON_DEVICE();
   OVOID_NOT_UNDER_TSAN();
-  expect_agreement("mean", {}, [](Scene& scene) { scene.look.mode = Mode::kMean; });
+  expect_agreement("mean", {}, [](TestScene& scene) { scene.look.mode = Mode::kMean; });
 }
 
 TEST(PublishedWays, LatticesAgreeOnIsosurfaces) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
-  expect_agreement("isosurface", {}, [](Scene& scene) {
+  expect_agreement("isosurface", {}, [](TestScene& scene) {
     scene.look.mode = Mode::kIsosurface;
     scene.look.isovalue = 0.55;
   });
@@ -127,7 +128,7 @@ TEST(PublishedWays, LatticesAgreeOnIsosurfaces) {
 TEST(PublishedWays, LatticesAgreeOnPieces) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
-  expect_agreement("pre-integrated", {}, [](Scene& scene) {
+  expect_agreement("pre-integrated", {}, [](TestScene& scene) {
     scene.options.classification = Classification::kPreintegrated;
   });
 }
@@ -137,7 +138,7 @@ TEST(PublishedWays, LatticesAgreeOnDifferences) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("central", {.width = 26, .height = 22, .thickness = 3},
-                   [](Scene& scene) { scene.options.gradient = GradientMethod::kCentral; });
+                   [](TestScene& scene) { scene.options.gradient = GradientMethod::kCentral; });
 }
 
 TEST(PublishedWays, LatticesAgreeOnDifferencesOfPieces) {
@@ -145,7 +146,7 @@ TEST(PublishedWays, LatticesAgreeOnDifferencesOfPieces) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("central, pre-integrated", {.width = 26, .height = 22, .thickness = 3},
-                   [](Scene& scene) {
+                   [](TestScene& scene) {
                      scene.options.gradient = GradientMethod::kCentral;
                      scene.options.classification = Classification::kPreintegrated;
                    });
@@ -157,7 +158,7 @@ TEST(PublishedWays, LatticesAgreeOnMeansOfSlabs) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("mean slabs", {.width = 18, .height = 16, .thickness = 2},
-                   [](Scene& scene) { scene.options.slab = Slab::kMean; });
+                   [](TestScene& scene) { scene.options.slab = Slab::kMean; });
 }
 
 TEST(PublishedWays, LatticesAgreeOnBilinearSpread) {
@@ -165,17 +166,18 @@ TEST(PublishedWays, LatticesAgreeOnBilinearSpread) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("spread", {.width = 26, .height = 22, .thickness = 3},
-                   [](Scene& scene) { scene.options.spread = Spread::kBilinear; });
+                   [](TestScene& scene) { scene.options.spread = Spread::kBilinear; });
 }
 
 TEST(PublishedWays, LatticesAgreeOnBilinearSpreadInXray) {
   OVOID_NOT_UNDER_ASAN();
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
-  expect_agreement("spread x-ray", {.width = 30, .height = 24, .thickness = 3}, [](Scene& scene) {
-    scene.options.spread = Spread::kBilinear;
-    scene.look.mode = Mode::kXray;
-  });
+  expect_agreement("spread x-ray", {.width = 30, .height = 24, .thickness = 3},
+                   [](TestScene& scene) {
+                     scene.options.spread = Spread::kBilinear;
+                     scene.look.mode = Mode::kXray;
+                   });
 }
 
 TEST(PublishedWays, LatticesAgreeOnBilinearSpreadOfIsosurfaces) {
@@ -183,7 +185,7 @@ TEST(PublishedWays, LatticesAgreeOnBilinearSpreadOfIsosurfaces) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("spread isosurface", {.width = 30, .height = 24, .thickness = 3},
-                   [](Scene& scene) {
+                   [](TestScene& scene) {
                      scene.options.spread = Spread::kBilinear;
                      scene.look.mode = Mode::kIsosurface;
                      scene.look.isovalue = 0.55;
@@ -195,7 +197,7 @@ TEST(PublishedWays, LatticesAgreeOnBilinearSpreadOfPieces) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
   expect_agreement("spread pre-integrated", {.width = 26, .height = 22, .thickness = 3},
-                   [](Scene& scene) {
+                   [](TestScene& scene) {
                      scene.options.spread = Spread::kBilinear;
                      scene.options.classification = Classification::kPreintegrated;
                    });
@@ -205,7 +207,7 @@ TEST(PublishedWays, LatticesAgreeOnBilinearSpreadOfPieces) {
 TEST(PublishedWays, SpreadIsOfNormalizedLatticesAlone) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
-  Scene scene = inner_scene(semi_transparent_look(0, 1), {});
+  TestScene scene = inner_scene(semi_transparent_look(0, 1), {});
   scene.options.post_convolution = PostConvolution::kCubic;
   scene.options.spread = Spread::kBilinear;
   const LatticeField sum =
@@ -228,10 +230,10 @@ TEST(PublishedWays, SpreadIsOfNormalizedLatticesAlone) {
 // Magnified until kernels go to several levels; in perspective one kernel's own sheets lie on both
 // sides of a level's bound.
 void expect_sets_agree(const std::string& name, const KernelField& field,
-                       const std::function<void(Scene&)>& change) {
+                       const std::function<void(TestScene&)>& change) {
   for (const bool is_parallel : {true, false}) {
-    Scene scene{field, askew_camera(field, is_parallel, 2.5), semi_transparent_look(0, 1),
-                picture(64, 52)};
+    TestScene scene{field, askew_camera(field, is_parallel, 2.5), semi_transparent_look(0, 1),
+                    picture(64, 52)};
     scene.options.slab = Slab::kAuto;
     change(scene);
     expect_ways_agree(scene, name + (is_parallel ? ", parallel" : ", perspective"), 0.3);
@@ -242,14 +244,14 @@ TEST(PublishedWays, SetsAgree) {
   OVOID_NOT_UNDER_TSAN();
   expect_sets_agree("ellipsoids",
                     KernelField(jittered_ellipsoids(7).source(), Reconstruction::kNormalized),
-                    [](Scene&) {});
+                    [](TestScene&) {});
 }
 
 TEST(PublishedWays, SetsAgreeOnAnotherColor) {
   OVOID_NOT_UNDER_TSAN();
   OVOID_NIGHTLY_ON_DEVICE();
   const KernelField field(jittered_ellipsoids(7).source(), Reconstruction::kNormalized, 0, 1);
-  expect_sets_agree("own colour", field, [&](Scene& scene) {
+  expect_sets_agree("own colour", field, [&](TestScene& scene) {
     scene.look.color_function = ramp_look(field.color_range()).transfer_function;
   });
 }
@@ -259,7 +261,7 @@ TEST(PublishedWays, SetsAgreeInXray) {
   OVOID_NIGHTLY_ON_DEVICE();
   expect_sets_agree("sums, x-ray",
                     KernelField(jittered_ellipsoids(7, 2.5).source(), Reconstruction::kSum),
-                    [](Scene& scene) { scene.look.mode = Mode::kXray; });
+                    [](TestScene& scene) { scene.look.mode = Mode::kXray; });
 }
 
 TEST(PublishedWays, SetsAgreeOnIsosurfaces) {
@@ -267,7 +269,7 @@ TEST(PublishedWays, SetsAgreeOnIsosurfaces) {
   OVOID_NIGHTLY_ON_DEVICE();
   expect_sets_agree("balls, isosurface",
                     KernelField(jittered_balls(7).source(), Reconstruction::kNormalized),
-                    [](Scene& scene) {
+                    [](TestScene& scene) {
                       scene.look.mode = Mode::kIsosurface;
                       scene.look.isovalue = 0.5;
                     });

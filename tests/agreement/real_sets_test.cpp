@@ -71,7 +71,7 @@ TEST_P(RealSets, AgreeOnEveryLook) {
     odd = !odd;
     for (const bool is_parallel : {true, false}) {
       if (is_parallel != odd && !is_nightly()) continue;  // the reference takes half a second each
-      Scene scene{field, askew_camera(field, is_parallel), look.look, picture(48, 42)};
+      TestScene scene{field, askew_camera(field, is_parallel), look.look, picture(48, 42)};
       scene.options.post_convolution = PostConvolution::kOff;
       EXPECT_TRUE(backends_agree(scene, set.files[0] + ", " + look.name, 0.004));
     }

@@ -17,13 +17,13 @@ namespace refined_test {
 
 std::string view_name(bool is_parallel) { return is_parallel ? ", parallel" : ", perspective"; }
 
-Scene refined(Scene scene) {
+TestScene refined(TestScene scene) {
   scene.options.classification = Classification::kRefined;
   return scene;
 }
 
 // Away from nodes and levels, which have tiers of their own.
-Scene refined_pixels(Scene scene) {
+TestScene refined_pixels(TestScene scene) {
   scene.options.post_convolution = PostConvolution::kOff;
   return refined(scene);
 }
@@ -48,9 +48,9 @@ TEST(Refined, AgreesOnEveryVolumeAndLook) {
       for (const double distance : {0.0, 1.7}) {
         const bool is_parallel = distance > 1;
         const double unit = is_one_sample(volume) ? 0.06 : distance;
-        Scene scene{volume.field,
-                    askew_camera(volume.field, is_parallel, is_one_sample(volume) ? 8 : 1.4),
-                    look.look, picture(30, 26, unit * volume.field.default_sampling_distance())};
+        TestScene scene{
+            volume.field, askew_camera(volume.field, is_parallel, is_one_sample(volume) ? 8 : 1.4),
+            look.look, picture(30, 26, unit * volume.field.default_sampling_distance())};
         EXPECT_TRUE(backends_agree(refined_pixels(scene),
                                    volume.name + ", " + look.name + view_name(is_parallel), 0.002));
       }
@@ -58,35 +58,35 @@ TEST(Refined, AgreesOnEveryVolumeAndLook) {
   }
 }
 
-using Change = std::function<void(Scene&)>;
+using Change = std::function<void(TestScene&)>;
 
 const std::vector<std::pair<std::string, Change>>& other_options() {
   static const std::vector<std::pair<std::string, Change>> changes = {
-      {"plain", [](Scene&) {}},
-      {"scatter", [](Scene& scene) { scene.options.evaluate = Evaluate::kScatter; }},
-      {"central", [](Scene& scene) { scene.options.gradient = GradientMethod::kCentral; }},
-      {"exact", [](Scene& scene) { scene.options.gradient = GradientMethod::kExact; }},
-      {"slab means", [](Scene& scene) { scene.options.slab = Slab::kMean; }},
-      {"no light", [](Scene& scene) { scene.look.shade = false; }},
+      {"plain", [](TestScene&) {}},
+      {"scatter", [](TestScene& scene) { scene.options.evaluate = Evaluate::kScatter; }},
+      {"central", [](TestScene& scene) { scene.options.gradient = GradientMethod::kCentral; }},
+      {"exact", [](TestScene& scene) { scene.options.gradient = GradientMethod::kExact; }},
+      {"slab means", [](TestScene& scene) { scene.options.slab = Slab::kMean; }},
+      {"no light", [](TestScene& scene) { scene.look.shade = false; }},
       {"fading",
-       [](Scene& scene) {
+       [](TestScene& scene) {
          fade_by_gradient(scene.look, scene.field);
          scene.look.shade = false;
        }},
-      {"fading, lit", [](Scene& scene) { fade_by_gradient(scene.look, scene.field); }},
+      {"fading, lit", [](TestScene& scene) { fade_by_gradient(scene.look, scene.field); }},
       {"clipped",
-       [](Scene& scene) {
+       [](TestScene& scene) {
          const Vec3 center = scene.field.world_bounds().center();
          const Vec3 across(-1.0, 0.6, 0.5), other(0.1, -1.0, 0.3);
          scene.options.clip_planes = {{across, across.dot(center) - 0.7},
                                       {other, other.dot(center) - 1.3}};
        }},
       {"four sheets a spacing",
-       [](Scene& scene) {
+       [](TestScene& scene) {
          scene.options.sampling_distance = 0.25 * scene.field.default_sampling_distance();
        }},
       {"steep",
-       [](Scene& scene) {
+       [](TestScene& scene) {
          const double lo = scene.look.transfer_function.lo();
          const double span = scene.look.transfer_function.hi() - lo;
          scene.look.transfer_function.opacities = {{lo + 0.5 * span, 0}, {lo + 0.55 * span, 0.95}};
@@ -99,7 +99,7 @@ TEST(Refined, AgreesWithOtherOptions) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const bool is_parallel : {true, false}) {
     for (const auto& [name, change] : other_options()) {
-      Scene scene = small_scene(Mode::kComposite, is_parallel);
+      TestScene scene = small_scene(Mode::kComposite, is_parallel);
       change(scene);
       EXPECT_TRUE(backends_agree(refined_pixels(scene), name + view_name(is_parallel), 0.02));
     }
@@ -114,7 +114,7 @@ TEST(Refined, AgreesOnSums) {
   const Index3 dims{12, 11, 13};
   for (const bool is_parallel : {true, false}) {
     for (const Slab slab : {Slab::kMid, Slab::kMean}) {
-      Scene scene = small_scene(Mode::kComposite, is_parallel);
+      TestScene scene = small_scene(Mode::kComposite, is_parallel);
       scene.field = make_stored_field(dims, shells(dims), {ScalarType::kFloat32, 10, 50}, setup);
       scene.look = semi_transparent_look(-5, 50);
       scene.options.slab = slab;
@@ -133,7 +133,7 @@ TEST(Refined, AgreesOnBodyCentredLattices) {
   setup.lattice = LatticeKind::kBodyCentred;
   for (const bool is_parallel : {true, false}) {
     for (const auto& [name, change] : other_options()) {
-      Scene scene = small_scene(Mode::kComposite, is_parallel);
+      TestScene scene = small_scene(Mode::kComposite, is_parallel);
       scene.field =
           make_stored_field(dims, shells({11, 9, 10}), {ScalarType::kFloat32, 10, 50}, setup);
       scene.camera = askew_camera(scene.field, is_parallel, 1.3);
@@ -156,7 +156,7 @@ Camera inner_camera(const Field& field) {
 // Fails if a piece in front of the near plane is drawn, or the first one behind it is not.
 TEST(Refined, AgreesFromWithin) {
   for (const bool is_set : {false, true}) {
-    Scene scene = small_scene(Mode::kComposite, false);
+    TestScene scene = small_scene(Mode::kComposite, false);
     if (is_set) {
       scene.field = KernelField(jittered_ellipsoids(6).source(), Reconstruction::kNormalized);
       scene.look = semi_transparent_look(0, 1);
@@ -172,7 +172,7 @@ TEST(Refined, FieldsEndAtTheirFaces) {
   OVOID_NIGHTLY_ON_DEVICE();
   constexpr double kOpacity = 0.08;
   constexpr int kLength = 7;
-  Scene scene;
+  TestScene scene;
   scene.field = constant_field({9, 8, kLength}, 1);
   scene.look = uniform_look(kOpacity);
   scene.look.unit_distance = 1;
@@ -191,7 +191,7 @@ TEST(Refined, FieldsEndAtTheirFaces) {
 TEST(Refined, LeavesThePublishedWaysAlone) {
   OVOID_NIGHTLY_ON_DEVICE();
   for (const PostConvolution how : kPublishedWays) {
-    Scene scene = small_scene(Mode::kComposite, true);
+    TestScene scene = small_scene(Mode::kComposite, true);
     scene.camera = askew_camera(scene.field, true, 14);
     scene.options = picture(14, 12);
     scene.options.post_convolution = how;
@@ -210,7 +210,7 @@ TEST(Refined, NodesKeepTheirBound) {
   const LatticeField field = make_stored_field(dims, shells(dims), {});
   for (const TestLook& look : test_looks(0, 1)) {
     for (const bool is_parallel : {true, false}) {
-      const Scene scene{field, askew_camera(field, is_parallel, 6), look.look, picture(90, 80)};
+      const TestScene scene{field, askew_camera(field, is_parallel, 6), look.look, picture(90, 80)};
       const Frame exact = draw(refined_pixels(scene));
       const Frame fast = draw(refined(scene));
       const ImageDifference difference = compare(fast.image, exact.image);
@@ -237,7 +237,7 @@ TEST(Refined, AgreesWithTrails) {
         const VolumeFunction later = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
           return 1 - shape(i, j, k);
         };
-        Scene scene = small_scene(Mode::kComposite, is_parallel);
+        TestScene scene = small_scene(Mode::kComposite, is_parallel);
         scene.field = make_stored_field(dims, shape, {}, setup);
         scene.look = semi_transparent_look(0, 1);
         scene.camera = askew_camera(scene.field, is_parallel, 1.3);
@@ -246,7 +246,7 @@ TEST(Refined, AgreesWithTrails) {
         Trail trail{make_stored_field(dims, later, {}, setup), scene.look.transfer_function};
         const auto draw_trail = [&](Backend backend) {
           return Renderer(backend, 2)
-              .render(scene.field, scene.camera, scene.look, trail, scene.options)
+              .render(with_trail(scene.scene(), trail), scene.camera, scene.options)
               .image;
         };
         const Image reference = draw_trail(Backend::kReference);
@@ -280,8 +280,8 @@ TEST(Refined, AgreesOnEverySetAndLook) {
     const KernelField field(set.numbers.source(), Reconstruction::kNormalized);
     for (const TestLook& look : test_looks(0, 1)) {
       for (const bool is_parallel : {true, false}) {
-        const Scene scene{field, askew_camera(field, is_parallel, is_parallel ? 1.0 : 1.6),
-                          look.look, picture(72, 66)};
+        const TestScene scene{field, askew_camera(field, is_parallel, is_parallel ? 1.0 : 1.6),
+                              look.look, picture(72, 66)};
         EXPECT_TRUE(backends_agree(refined_pixels(scene),
                                    set.name + ", " + look.name + view_name(is_parallel), 0.002));
       }
@@ -298,8 +298,8 @@ TEST(Refined, AgreesOnSetsWithOtherOptions) {
       const std::string name = std::string(sum == Reconstruction::kSum ? "sums, " : "set, ");
       for (const auto& [what, change] : other_options()) {
         if (what == "exact" || what == "central") continue;  // sets have differences alone
-        Scene scene{field, askew_camera(field, is_parallel, 1.3), semi_transparent_look(0, 1),
-                    picture(50, 40)};
+        TestScene scene{field, askew_camera(field, is_parallel, 1.3), semi_transparent_look(0, 1),
+                        picture(50, 40)};
         change(scene);
         if (what == "clipped")
           scene.options.clip_planes = {{{-1, 0.6, 0.5}, -0.1}, {{0.2, 1, 0}, 0.3}};
@@ -307,8 +307,8 @@ TEST(Refined, AgreesOnSetsWithOtherOptions) {
         EXPECT_TRUE(
             backends_agree(refined_pixels(scene), name + what + view_name(is_parallel), 0.02));
       }
-      Scene scene{colored, askew_camera(colored, is_parallel, 1.3), semi_transparent_look(0, 1),
-                  picture(50, 40)};
+      TestScene scene{colored, askew_camera(colored, is_parallel, 1.3), semi_transparent_look(0, 1),
+                      picture(50, 40)};
       scene.look.color_function = ramp_look(colored.color_range()).transfer_function;
       EXPECT_TRUE(
           backends_agree(refined_pixels(scene), name + "own colour" + view_name(is_parallel)));
@@ -317,8 +317,8 @@ TEST(Refined, AgreesOnSetsWithOtherOptions) {
 }
 
 // Lattices and sets whose looks leave much out; distances of sheets that differ.
-std::vector<Scene> scenes_to_skip() {
-  std::vector<Scene> scenes;
+std::vector<TestScene> scenes_to_skip() {
+  std::vector<TestScene> scenes;
   for (const TestVolume& volume : test_volumes()) {
     for (const TestLook& look : test_looks(volume.lo, volume.hi)) {
       const bool is_parallel = scenes.size() % 2 == 0;
@@ -330,7 +330,7 @@ std::vector<Scene> scenes_to_skip() {
   for (const Reconstruction sum : {Reconstruction::kNormalized, Reconstruction::kSum}) {
     const KernelField field(jittered_ellipsoids(9).source(), sum);
     for (const TestLook& look : test_looks(0, 1)) {
-      Scene scene{field, askew_camera(field, false, 1.5), look.look, picture(130, 100)};
+      TestScene scene{field, askew_camera(field, false, 1.5), look.look, picture(130, 100)};
       scenes.push_back(scene);
       scene.options.clip_planes = {{{-1, 0.6, 0.5}, -0.1}, {{0, 0, 1}, 0.55}};
       scenes.push_back(scene);
@@ -343,7 +343,7 @@ std::vector<Scene> scenes_to_skip() {
 TEST(Refined, SkippingChangesNoByte) {
   OVOID_NIGHTLY_ON_DEVICE();
   int number = -1;
-  for (Scene scene : scenes_to_skip()) {
+  for (TestScene scene : scenes_to_skip()) {
     ++number;
     if (tested_backend() == Backend::kVulkan && number % 4 != 1)
       continue;  // software takes minutes
@@ -361,14 +361,14 @@ TEST(Refined, SkippingChangesNoByte) {
 TEST(RefinedOnDevice, PiecesAreWholeAcrossBoxesAndPages) {
   OVOID_NIGHTLY_ON_DEVICE();
   if (tested_backend() != Backend::kVulkan) GTEST_SKIP() << "another back end is tested";
-  const auto draw_within = [](const Scene& scene, std::uint64_t bytes) {
+  const auto draw_within = [](const TestScene& scene, std::uint64_t bytes) {
     return Renderer(RendererSetup{.backend = Backend::kVulkan, .device_memory = bytes})
-        .render(scene.field, scene.camera, scene.look, scene.options)
+        .render({scene.field, scene.look}, scene.camera, scene.options)
         .image;
   };
   const Index3 dims{40, 36, 44};
   for (int way = 0; way < 5; ++way) {
-    Scene scene;
+    TestScene scene;
     scene.field = make_stored_field(dims, shells(dims), {ScalarType::kUInt8, 0, 255});
     scene.camera = askew_camera(scene.field, way == 1, 1.3);
     scene.look = semi_transparent_look(0, 255);
@@ -383,7 +383,7 @@ TEST(RefinedOnDevice, PiecesAreWholeAcrossBoxesAndPages) {
     const Image in_boxes = draw_within(scene, 64U << 10U);
     EXPECT_TRUE(in_boxes == whole) << way << ": " << compare(in_boxes, whole).to_string();
   }
-  Scene set;
+  TestScene set;
   set.field = KernelField(jittered_ellipsoids(24).source(), Reconstruction::kNormalized);
   set.camera = askew_camera(set.field, false, 1.3);
   set.look = semi_transparent_look(0, 1);
@@ -398,8 +398,8 @@ TEST(RefinedOnDevice, HalfSheetsKeepTheirTier) {
   if (tested_backend() != Backend::kVulkan) GTEST_SKIP() << "another back end is tested";
   const KernelField field(jittered_ellipsoids(9).source(), Reconstruction::kNormalized);
   for (const double opacity : {0.05, 0.9}) {
-    Scene scene{field, askew_camera(field, false, 1.3), semi_transparent_look(0, 1),
-                picture(56, 44)};
+    TestScene scene{field, askew_camera(field, false, 1.3), semi_transparent_look(0, 1),
+                    picture(56, 44)};
     scene.look.shade = false;
     // At unit distances of a sheet the opacity is the look's own.
     scene.look.unit_distance = 0.5 * field.default_sampling_distance();

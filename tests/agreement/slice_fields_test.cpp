@@ -27,9 +27,9 @@ Series moving_waves(SeriesKind kind, double hole = -1) {
       oblique_axes()));
 }
 
-Scene scene_of(const LatticeField& field, bool is_parallel) {
-  Scene scene{field, askew_camera(field, is_parallel, 1.3), semi_transparent_look(0, 1),
-              picture(48, 40)};
+TestScene scene_of(const LatticeField& field, bool is_parallel) {
+  TestScene scene{field, askew_camera(field, is_parallel, 1.3), semi_transparent_look(0, 1),
+                  picture(48, 40)};
   // So narrow that most bricks are irrelevant: too narrow a range of one leaves holes.
   scene.look.transfer_function.opacities = {{0.7, 0}, {0.75, 0.4}, {0.8, 0}};
   return scene;

@@ -8,9 +8,6 @@
 #include <string>
 
 #include "ovoid/error.h"
-#include "ovoid/render_mesh.h"
-#include "ovoid/render_points.h"
-#include "ovoid/value_plane.h"
 #include "support/agreement.h"
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
@@ -26,7 +23,7 @@ std::vector<int> counts() {
 }
 
 // Of each of `count` parts, in an order that is none.
-std::vector<DeepImage> seen_by_parts(Scene scene, int count) {
+std::vector<DeepImage> seen_by_parts(TestScene scene, int count) {
   std::vector<SpacePart> parts = split_space(scene.field, count);
   std::shuffle(parts.begin(), parts.end(), std::mt19937(5));
   std::vector<DeepImage> seen;
@@ -47,7 +44,7 @@ void expect_whole(const Image& together, const Image& whole, const std::string& 
 }
 
 // Fails if parts do not divide all pieces of all rays among them, or draw them otherwise.
-void expect_parts_to_make_the_whole(Scene scene, const std::string& name) {
+void expect_parts_to_make_the_whole(TestScene scene, const std::string& name) {
   scene.options.sheets = Sheets::kImage;
   const Image whole = draw(scene).image;
   const double peak = scene.look.mode == Mode::kXray ? greatest_color(whole) : 1;
@@ -112,9 +109,9 @@ TEST(SpaceParts, MakeTheWholeHoweverClassified) {
   const TestVolume volume = test_volumes()[0];
   for (const Field& field : {Field(set), Field(volume.field)}) {
     for (const Classification how : {Classification::kSampled, Classification::kPreintegrated}) {
-      Scene scene{field, askew_camera(field, false, 1.3),
-                  semi_transparent_look(field.value_range().lo, field.value_range().hi),
-                  picture(60, 50, 0)};
+      TestScene scene{field, askew_camera(field, false, 1.3),
+                      semi_transparent_look(field.value_range().lo, field.value_range().hi),
+                      picture(60, 50, 0)};
       scene.options.classification = how;
       expect_parts_to_make_the_whole(scene, "way " + std::to_string(static_cast<int>(how)));
     }
@@ -129,8 +126,8 @@ TEST(SpaceParts, MakeTheWholeInLightAndShadow) {
   const TestVolume volume = test_volumes()[0];
   for (const Field& field : {Field(set), Field(volume.field)}) {
     const ValueRange range = field.value_range();
-    Scene scene{field, askew_camera(field, false, 1.3), test_looks(range.lo, range.hi)[2].look,
-                picture(60, 50, 0)};
+    TestScene scene{field, askew_camera(field, false, 1.3), test_looks(range.lo, range.hi)[2].look,
+                    picture(60, 50, 0)};
     scene.look.occlusion = 0.6;
     scene.look.shadows = 0.7;
     const Vec3 normal(0.3, -0.2, 0.9);
@@ -147,9 +144,9 @@ TEST(SpaceParts, MakeTheWholeWithinLimits) {
   const TestVolume volume = test_volumes()[0];
   for (const Field& field : {Field(set), Field(volume.field)}) {
     for (const Mode mode : {Mode::kComposite, Mode::kMean}) {
-      Scene scene{field, askew_camera(field, false, 1.3),
-                  semi_transparent_look(field.value_range().lo, field.value_range().hi),
-                  picture(60, 50, 0)};
+      TestScene scene{field, askew_camera(field, false, 1.3),
+                      semi_transparent_look(field.value_range().lo, field.value_range().hi),
+                      picture(60, 50, 0)};
       scene.look.mode = mode;
       scene.options.sampling_distance = 3 * field.default_sampling_distance();
       scene.options.depth_limits = random_limits(scene, 6);
@@ -161,8 +158,8 @@ TEST(SpaceParts, MakeTheWholeWithinLimits) {
 // Fails if who draws two parts that do not touch cannot say so.
 TEST(SpaceParts, MayBeSharedOutAnyhow) {
   const TestVolume volume = test_volumes()[1];
-  Scene scene{Field(volume.field), askew_camera(Field(volume.field), false, 1.3),
-              semi_transparent_look(volume.lo, volume.hi), picture(70, 50, 0)};
+  TestScene scene{Field(volume.field), askew_camera(Field(volume.field), false, 1.3),
+                  semi_transparent_look(volume.lo, volume.hi), picture(70, 50, 0)};
   scene.options.sheets = Sheets::kImage;
   const std::vector<DeepImage> seen = seen_by_parts(scene, 12);
   std::vector<DeepImage> owners;
@@ -177,10 +174,12 @@ TEST(SpaceParts, MakeTheWholeOfBallsThatAreDrawnAsSuch) {
   OVOID_NOT_UNDER_ASAN();
   OVOID_NIGHTLY_ON_DEVICE();
   const KernelField set(jittered_balls(6).source(), Reconstruction::kNormalized);
-  Scene scene{Field(set), askew_camera(Field(set), false, 1.3), semi_transparent_look(0, 1),
-              picture(90, 70, 0)};
+  TestScene scene{Field(set), askew_camera(Field(set), false, 1.3), semi_transparent_look(0, 1),
+                  picture(90, 70, 0)};
   const auto drawn = [&] {
-    return render_points(set, scene.camera, scene.look, {}, scene.options, 2);
+    Scene points = scene.scene();
+    points.volumes.front().points = PointStyle();
+    return Renderer(Backend::kCpu, 2).render(points, scene.camera, scene.options);
   };
   const Image whole = drawn().image;
   std::vector<DeepImage> seen;
@@ -195,16 +194,16 @@ TEST(SpaceParts, MakeTheWholeOfBallsThatAreDrawnAsSuch) {
 TEST(SpaceParts, SayWhatTheyAreNotFor) {
   OVOID_NIGHTLY_ON_DEVICE();
   const TestVolume volume = test_volumes()[0];
-  Scene scene{Field(volume.field), askew_camera(Field(volume.field), false, 1.3),
-              semi_transparent_look(volume.lo, volume.hi), picture(20, 20, 0)};
+  TestScene scene{Field(volume.field), askew_camera(Field(volume.field), false, 1.3),
+                  semi_transparent_look(volume.lo, volume.hi), picture(20, 20, 0)};
   scene.options.part = std::make_shared<SpacePart>();
   Renderer renderer(Backend::kCpu, 1);
-  EXPECT_THROW(renderer.render(scene.field, scene.camera, scene.look,
-                               Trail{volume.field, scene.look.transfer_function}, scene.options),
+  const Trail trail{volume.field, scene.look.transfer_function};
+  EXPECT_THROW(renderer.render(with_trail(scene.scene(), trail), scene.camera, scene.options),
                Error);
-  EXPECT_THROW(render_with_plane(renderer, scene.field, scene.camera, scene.look, {{1, 0, 0}, 0},
-                                 scene.options),
-               Error);
+  Scene cut = scene.scene();
+  cut.plane = ValuePlane{{1, 0, 0}, 0};
+  EXPECT_THROW(renderer.render(cut, scene.camera, scene.options), Error);
   scene.options.part = std::make_shared<SpacePart>(SpacePart{{{Vec3::Zero(), 0, true}}});
   EXPECT_THROW(draw(scene), Error);
   EXPECT_THROW(split_space(scene.field, 0), Error);

@@ -47,8 +47,8 @@ TEST_P(AgreementTable, EveryLookBothProjections) {
     ++number;
     for (const bool is_parallel : {true, false}) {
       if (is_left_out(number, is_parallel ? 1 : 0)) continue;
-      const Scene scene{volume.field, table_camera(volume.field, is_parallel), look.look,
-                        table_options(volume.field)};
+      const TestScene scene{volume.field, table_camera(volume.field, is_parallel), look.look,
+                            table_options(volume.field)};
       const std::string name =
           volume.name + ", " + look.name + ", " + (is_parallel ? "parallel" : "perspective");
       // A slice has few samples at values within a peak.

@@ -29,7 +29,7 @@ TransferFunction haze() {
 }
 
 struct TrailScene {
-  Scene scene;
+  TestScene scene;
   Trail trail;
 };
 
@@ -50,8 +50,8 @@ TrailScene trail_scene(Mode mode, bool is_parallel, LatticeKind kind) {
 }
 
 Frame draw_with_trail(const TrailScene& scene, Backend backend = Backend::kCpu) {
-  const Scene& s = scene.scene;
-  return Renderer(backend, 2).render(s.field, s.camera, s.look, scene.trail, s.options);
+  const TestScene& s = scene.scene;
+  return Renderer(backend, 2).render(with_trail(s.scene(), scene.trail), s.camera, s.options);
 }
 
 void expect_agreement(TrailScene scene, const std::string& name) {
@@ -123,7 +123,7 @@ TEST(Trail, NothingIsSeenThroughANearerSurface) {
     };
   };
   for (const Mode mode : {Mode::kComposite, Mode::kIsosurface}) {
-    Scene scene;
+    TestScene scene;
     scene.field = make_field(dims, [](std::int64_t, std::int64_t, std::int64_t k) {
       return k >= 14 && k <= 18 ? 1.0 : 0.0;
     });
@@ -138,10 +138,10 @@ TEST(Trail, NothingIsSeenThroughANearerSurface) {
       Renderer renderer(backend, 2);
       // By the same back end: sheets lie on planes of samples, where each has its own limit.
       const Image alone =
-          renderer.render(scene.field, scene.camera, scene.look, scene.options).image;
+          renderer.render({scene.field, scene.look}, scene.camera, scene.options).image;
       const auto with = [&](double z0) {
         return renderer
-            .render(scene.field, scene.camera, scene.look, {make_field(dims, ball(z0)), haze()},
+            .render(with_trail(scene.scene(), {make_field(dims, ball(z0)), haze()}), scene.camera,
                     scene.options)
             .image;
       };

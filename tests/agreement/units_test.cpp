@@ -51,13 +51,13 @@ void expect_same(const Field& field, const Field& in_units, const Units& unit,
                  const std::string& name) {
   for (const TestLook& look : lit_looks()) {
     for (const bool is_parallel : {true, false}) {
-      Scene scene{field, askew_camera(field, is_parallel, 1.2), look.look, picture(40, 36)};
+      TestScene scene{field, askew_camera(field, is_parallel, 1.2), look.look, picture(40, 36)};
       scene.options.post_convolution = PostConvolution::kOff;
       Image expected = draw(scene, Backend::kReference).image;
       for (float& depth : expected.depth) depth *= static_cast<float>(unit.length);
       for (float& depth : expected.front_depth) depth *= static_cast<float>(unit.length);
-      Scene other{in_units, askew_camera(in_units, is_parallel, 1.2), scaled(look.look, unit),
-                  scene.options};
+      TestScene other{in_units, askew_camera(in_units, is_parallel, 1.2), scaled(look.look, unit),
+                      scene.options};
       const std::string what = name + ", " + unit.name + ", " + look.name;
       EXPECT_TRUE(backends_agree(other, what));
       EXPECT_TRUE(agrees_with(expected, other, what + ", in units of 1"));

@@ -42,7 +42,7 @@ double opacity_drawn(Backend backend, Classification classification, double samp
   options.classification = classification;
   const Vec3 focal_point(5.5, 5.5, 11.5 + shift);
   const Camera camera = parallel_camera(focal_point, {0, 0, 1}, 1);
-  return center_pixel(Renderer(backend, 1).render(ramp(), camera, peak(), options).image).a();
+  return center_pixel(Renderer(backend, 1).render({ramp(), peak()}, camera, options).image).a();
 }
 
 // Wherever the sheets lie, the whole peak is seen. The reconstructed ramp's ripple moves a piece's
@@ -84,7 +84,7 @@ TEST(GradientOpacity, IsAFactorPerUnitDistance) {
       RenderOptions options = picture(3, 3, 0.5);
       options.clip_planes = {{{0, 0, 1}, 9.5}, {{0, 0, -1}, -13.5}};
       const Camera camera = parallel_camera({5.5, 5.5, 11.5}, {0, 0, 1}, 1);
-      const Image image = Renderer(backend, 1).render(ramp(), camera, look, options).image;
+      const Image image = Renderer(backend, 1).render({ramp(), look}, camera, options).image;
       // The kernels are cut off, which takes kCutOffShare of the slope; here it is a factor.
       EXPECT_NEAR(center_pixel(image).a(), 1 - std::pow(1 - 0.2 * factor, 4.0), kCutOffShare)
           << factor;
@@ -106,7 +106,7 @@ TEST(Look2D, IsReadAtTheGradientPerWorldLength) {
       options.clip_planes = {{{0, 0, 1}, 9.5}, {{0, 0, -1}, -13.5}};
       const Camera camera = parallel_camera({5.5, 5.5, 11.5}, {0, 0, 1}, 1);
       const auto pixel =
-          center_pixel(Renderer(backend, 1).render(ramp(), camera, look, options).image);
+          center_pixel(Renderer(backend, 1).render({ramp(), look}, camera, options).image);
       const double alpha = 1 - std::pow(1 - 0.2, 4.0);
       // The slope ripples by kCutOffShare, over which colours change by half of that.
       EXPECT_NEAR(pixel.a(), alpha, kCutOffShare);
@@ -121,11 +121,10 @@ TEST(GradientOpacity, HidesWhatIsFlat) {
   Look look = uniform_look(0.5);
   look.transfer_function.gradient_opacities = {{0.1, 0}, {0.2, 1}};
   for (const Backend backend : {Backend::kReference, Backend::kCpu}) {
-    const Image image =
-        Renderer(backend, 1)
-            .render(constant_field({8, 8, 8}, 3), parallel_camera({3.5, 3.5, 3.5}, {0, 0, 1}, 2),
-                    look, picture(4, 4))
-            .image;
+    const Image image = Renderer(backend, 1)
+                            .render({constant_field({8, 8, 8}, 3), look},
+                                    parallel_camera({3.5, 3.5, 3.5}, {0, 0, 1}, 2), picture(4, 4))
+                            .image;
     for (const float component : image.rgba) EXPECT_EQ(component, 0.0F);
   }
 }

@@ -33,7 +33,7 @@ Image drawn_box(double value, const Look& look) {
   camera.elevation(20);
   RenderOptions options;
   options.width = options.height = 32;
-  return Renderer(Backend::kCpu, 1).render(field, camera, look, options).image;
+  return Renderer(Backend::kCpu, 1).render({field, look}, camera, options).image;
 }
 
 // Fails if bar and volume disagree: other light, other colour space, other row.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Two homogeneous boxes that overlap: extinctions add, and in the part that they share colours are
 // mixed in proportion to their extinction (docs/numerics.md, "Several volumes").
-#include "ovoid/further_volumes.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,11 +37,10 @@ Image two_boxes(Backend backend, Classification classification, double distance,
   RenderOptions options = picture(5, 5, distance);
   options.classification = classification;
   options.sheets = sheets;
-  options.further =
-      further_volumes({{constant_field(dims, 0.7, behind), uniform_look(kSecondBox, {0, 1, 0})}});
+  Scene scene(constant_field(dims, 0.5), uniform_look(kFirstBox, {1, 0, 0}));
+  scene.volumes.push_back({constant_field(dims, 0.7, behind), uniform_look(kSecondBox, {0, 1, 0})});
   return Renderer(backend, 1)
-      .render(constant_field(dims, 0.5), parallel_camera({3.5, 3.5, 5.5}, {0, 0, 1}, 3),
-              uniform_look(kFirstBox, {1, 0, 0}), options)
+      .render(scene, parallel_camera({3.5, 3.5, 5.5}, {0, 0, 1}, 3), options)
       .image;
 }
 

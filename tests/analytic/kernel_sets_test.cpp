@@ -119,8 +119,8 @@ TEST(KernelSets, XraysAreLineIntegrals) {
     const KernelNumbers numbers = one_ellipsoid(Vec3(1, 2, 3), sigmas, rotation);
     const KernelField field(numbers.source(), Reconstruction::kSum);
     const double half_height = 1.3;
-    const Scene scene{field, parallel_camera(Vec3(1, 2, 3), Vec3(0, 0, -1), half_height),
-                      xray_look(), picture(80, 80, 0.11, Slab::kAuto)};
+    const TestScene scene{field, parallel_camera(Vec3(1, 2, 3), Vec3(0, 0, -1), half_height),
+                          xray_look(), picture(80, 80, 0.11, Slab::kAuto)};
     const Mat3 s = rotation * sigmas.cwiseAbs2().asDiagonal() * rotation.transpose();
     const Eigen::Matrix2d across = s.topLeftCorner<2, 2>();
     const double weight = static_cast<double>(numbers.weights[0]) * 2.5;
@@ -152,8 +152,8 @@ TEST(KernelSets, XraysKeepTheMass) {
         numbers.add(Vec3(0.0371 * i, 0.0213 * i, 0.0457 * i), Vec3::Constant(sigma),
                     Mat3::Identity(), {1.0F});
       const KernelField field(numbers.source(), Reconstruction::kSum);
-      Scene scene{field, parallel_camera(Vec3(0.4, 0.2, 0.4), Vec3(0.3, -0.2, -1), 3.0),
-                  xray_look(), picture(120, 120, 0.07, Slab::kAuto)};
+      TestScene scene{field, parallel_camera(Vec3(0.4, 0.2, 0.4), Vec3(0.3, -0.2, -1), 3.0),
+                      xray_look(), picture(120, 120, 0.07, Slab::kAuto)};
       if (!uses_levels) scene.options.post_convolution = PostConvolution::kOff;
       const Image image = draw(scene).image;
       double sum = 0;
@@ -174,8 +174,8 @@ TEST(KernelSets, AConstantIsConstant) {
   KernelNumbers numbers = jittered_ellipsoids(8);
   std::fill(numbers.values[0].begin(), numbers.values[0].end(), 3.25F);
   const KernelField field(numbers.source(), Reconstruction::kNormalized);
-  Scene scene{field, parallel_camera(Vec3(0.5, 0.5, 0.5), Vec3(0.3, 0.5, -1), 0.2), uniform_look(1),
-              picture(90, 90, 0, Slab::kMid)};
+  TestScene scene{field, parallel_camera(Vec3(0.5, 0.5, 0.5), Vec3(0.3, 0.5, -1), 0.2),
+                  uniform_look(1), picture(90, 90, 0, Slab::kMid)};
   scene.look.mode = Mode::kMaximum;
   scene.look.transfer_function = gray_look(3.2, 3.3).transfer_function;
   const Image image = draw(scene).image;

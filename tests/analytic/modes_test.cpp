@@ -109,7 +109,7 @@ TEST_P(ThickSlices, OfARampAreExactWhereverSheetsLie) {
           options.clip_planes.assign(planes.begin(), planes.end());
           const double reach = 30;
           const Image image =
-              renderer.render(ramp, camera, with_mode(gray_look(-reach, reach), mode), options)
+              renderer.render({ramp, with_mode(gray_look(-reach, reach), mode)}, camera, options)
                   .image;
           for (const auto& [x, y] : {std::pair{4, 4}, {1, 6}, {7, 2}}) {
             const Vec3 aside = (x - 4) * 8.0 / kEdge * right - (y - 4) * 8.0 / kEdge * up;

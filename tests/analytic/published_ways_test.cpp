@@ -45,20 +45,20 @@ SampledField noise_field() {
 
 // A few spacings of the field's middle, several pixels each; in perspective from near by, so that
 // groups of sheets differ. A single sheet of it shows.
-Scene sheet_scene(const LatticeField& field, const Look& look, bool is_parallel,
-                  std::int64_t sheet) {
+TestScene sheet_scene(const LatticeField& field, const Look& look, bool is_parallel,
+                      std::int64_t sheet) {
   const Vec3 center = field.world_bounds().center();
   const Vec3 direction(0.48, -0.31, 0.82);
-  Scene scene{field,
-              is_parallel ? parallel_camera(center, direction, 3)
-                          : perspective_camera(center, direction, 3, 12),
-              look, picture(40, 34, 0.3)};
+  TestScene scene{field,
+                  is_parallel ? parallel_camera(center, direction, 3)
+                              : perspective_camera(center, direction, 3, 12),
+                  look, picture(40, 34, 0.3)};
   scene.options.clip_planes = HandView(scene.camera, scene.options).planes_around(sheet);
   return scene;
 }
 
 // Of the same pixels fewer.
-void crop(Scene& scene, int width, int height) {
+void crop(TestScene& scene, int width, int height) {
   scene.camera.parallel_scale *= 1.0 * height / scene.options.height;
   scene.camera.view_angle *= 1.0 * height / scene.options.height;
   scene.options.width = width;
@@ -72,7 +72,7 @@ template <class Body>
 void for_each_sheet_scene(const LatticeField& field, const Look& look, const Body& body) {
   for (const bool is_parallel : {true, false}) {
     for (const std::int64_t sheet : kSheets) {
-      Scene scene = sheet_scene(field, look, is_parallel, sheet);
+      TestScene scene = sheet_scene(field, look, is_parallel, sheet);
       for (const PostConvolution how : kPublishedWays) {
         scene.options.post_convolution = how;
         SCOPED_TRACE(std::string(name_of(how)) + (is_parallel ? ", parallel" : ", perspective") +
@@ -98,7 +98,7 @@ TEST(PublishedWaysByHand, ReferenceSumsNodes) {
   OVOID_NOT_UNDER_ASAN();
   const SampledField noisy = noise_field();
   for_each_sheet_scene(noisy.field, with_mode(gray_look(0, 1), Mode::kMean),
-                       [&](const Scene& scene, std::int64_t sheet) {
+                       [&](const TestScene& scene, std::int64_t sheet) {
                          const HandView view(scene.camera, scene.options);
                          const double p = view.node_step(noisy.index_from_world, sheet);
                          const Image image = draw(scene, Backend::kReference).image;
@@ -121,7 +121,7 @@ Look gradient_look(double path, double longest) {
   return look;
 }
 
-void expect_lengths(const Scene& scene, const HandView& view, double longest,
+void expect_lengths(const TestScene& scene, const HandView& view, double longest,
                     const std::function<Vec3(const Spot&)>& gradient_at) {
   const Image image = draw(scene, Backend::kReference).image;
   for (const Spot& at : some_spots(scene.options, 6)) {
@@ -139,7 +139,7 @@ TEST(PublishedWaysByHand, ReferenceSumsGradients) {
   constexpr double kLongest = 2;
   const SampledField noisy = noise_field();
   for_each_sheet_scene(
-      noisy.field, gradient_look(0.8 * 0.3, kLongest), [&](Scene scene, std::int64_t sheet) {
+      noisy.field, gradient_look(0.8 * 0.3, kLongest), [&](TestScene scene, std::int64_t sheet) {
         scene.options.gradient = GradientMethod::kExact;
         const HandView view(scene.camera, scene.options);
         const double p = view.node_step(noisy.index_from_world, sheet);
@@ -174,7 +174,7 @@ TEST(PublishedWaysByHand, ReferenceTakesDifferencesOfNodes) {
   constexpr double kLongest = 2;
   const SampledField noisy = noise_field();
   for_each_sheet_scene(
-      noisy.field, gradient_look(0.8 * 0.3, kLongest), [&](Scene scene, std::int64_t sheet) {
+      noisy.field, gradient_look(0.8 * 0.3, kLongest), [&](TestScene scene, std::int64_t sheet) {
         scene.options.gradient = GradientMethod::kCentral;
         const HandView view(scene.camera, scene.options);
         const double p = view.node_step(noisy.index_from_world, sheet);
@@ -196,7 +196,7 @@ TEST(PublishedWaysByHand, ReferenceLightsPieces) {
   constexpr double kLongest = 2;
   const SampledField noisy = noise_field();
   for_each_sheet_scene(
-      noisy.field, gradient_look(0.3, kLongest), [&](Scene scene, std::int64_t sheet) {
+      noisy.field, gradient_look(0.3, kLongest), [&](TestScene scene, std::int64_t sheet) {
         crop(scene, 22, 20);
         const HandView view(scene.camera, scene.options);
         scene.options.clip_planes = {view.planes_around(sheet - 1)[0],
@@ -236,7 +236,7 @@ TEST(PublishedWaysByHand, ReferenceRefinesSurfacesOnTheField) {
   OVOID_NOT_UNDER_ASAN();
   constexpr double kIso = 0.5;
   const SampledField noisy = noise_field();
-  for_each_sheet_scene(noisy.field, uniform_look(1), [&](Scene scene, std::int64_t sheet) {
+  for_each_sheet_scene(noisy.field, uniform_look(1), [&](TestScene scene, std::int64_t sheet) {
     crop(scene, 22, 20);
     const HandView view(scene.camera, scene.options);
     scene.options.clip_planes = {view.planes_around(sheet)[0], view.planes_around(sheet + 6)[1]};
@@ -315,7 +315,8 @@ TEST(PublishedWaysByHand, ReferenceSpreadsSamples) {
     const Mat3 index_from_world = field.geometry().world_from_index.linear().inverse();
     for (const bool is_parallel : {true, false}) {
       for (const PostConvolution how : kPublishedWays) {
-        Scene scene = sheet_scene(field, with_mode(gray_look(0, 1), Mode::kMean), is_parallel, 1);
+        TestScene scene =
+            sheet_scene(field, with_mode(gray_look(0, 1), Mode::kMean), is_parallel, 1);
         scene.options.width = scene.options.height = 12;
         scene.camera.parallel_scale = 1.2;
         scene.camera.view_angle = 12;
@@ -358,8 +359,8 @@ TEST(PublishedWaysByHand, RampsStayRamps) {
       make_field({30, 30, 30}, [](std::int64_t i, std::int64_t j, std::int64_t) {
         return (static_cast<double>(i) + 0.5 * static_cast<double>(j)) / 45;
       });
-  Scene scene{field, parallel_camera(field.world_bounds().center(), Vec3(0, 0, 1), 17 / 5.3),
-              with_mode(gray_look(0, 1), Mode::kMean), picture(40, 34, 1)};
+  TestScene scene{field, parallel_camera(field.world_bounds().center(), Vec3(0, 0, 1), 17 / 5.3),
+                  with_mode(gray_look(0, 1), Mode::kMean), picture(40, 34, 1)};
   scene.camera.view_up = Vec3(0, 1, 0);
   scene.options.clip_planes = HandView(scene.camera, scene.options).planes_around(0);
   for (const PostConvolution how : kPublishedWays) {
@@ -394,7 +395,7 @@ TEST(PublishedWaysByHand, PixelsNearUndefinedNodesAreWorkedOut) {
       });
   const FieldSampler sampler{Field(field)};
   // Of samples, as the published ways are: means would be those of pieces between planes.
-  Scene scene = sheet_scene(field, gray_look(0, 1), false, 2);
+  TestScene scene = sheet_scene(field, gray_look(0, 1), false, 2);
   scene.options.classification = Classification::kSampled;
   crop(scene, 80, 68);
   scene.options.post_convolution = PostConvolution::kOff;
@@ -431,9 +432,9 @@ TEST(PublishedWaysByHand, BelowTheLeastPitchEveryPixelIsWorkedOut) {
   OVOID_NOT_UNDER_ASAN();
   const LatticeField field = make_field(kNoiseDims, noise(0.2, 0.8));
   for (const double pixels : {1.44, 1.46}) {
-    Scene scene{field,
-                parallel_camera(field.world_bounds().center(), Vec3(0.48, -0.31, 0.82), 9 / pixels),
-                with_mode(gray_look(0, 1), Mode::kMaximum), picture(20, 18, 1)};
+    TestScene scene{
+        field, parallel_camera(field.world_bounds().center(), Vec3(0.48, -0.31, 0.82), 9 / pixels),
+        with_mode(gray_look(0, 1), Mode::kMaximum), picture(20, 18, 1)};
     scene.options.post_convolution = PostConvolution::kOff;
     const Image exact = draw(scene, Backend::kReference).image;
     for (const PostConvolution how : kPublishedWays) {
@@ -468,7 +469,8 @@ std::vector<Spot> spots_around(const RenderOptions& options, const HandView& vie
 // Kernels that are scattered know no nodes.
 TEST(PublishedWaysByHand, ScatteringKnowsNodesToo) {
   OVOID_NOT_UNDER_ASAN();
-  Scene scene = sheet_scene(noise_field().field, with_mode(gray_look(0, 1), Mode::kMean), true, 3);
+  TestScene scene =
+      sheet_scene(noise_field().field, with_mode(gray_look(0, 1), Mode::kMean), true, 3);
   const Image off = draw(scene, Backend::kReference).image;
   scene.options.post_convolution = PostConvolution::kCubic;
   const Image cubic = draw(scene, Backend::kReference).image;
@@ -480,7 +482,7 @@ TEST(PublishedWaysByHand, ScatteringKnowsNodesToo) {
 
 // One ball on the level that its sigma has half a sample on at the sheet's depth, brought down
 // level by level.
-void check_levels(const Scene& scene, std::int64_t sheet, const Vec3& center, double sigma) {
+void check_levels(const TestScene& scene, std::int64_t sheet, const Vec3& center, double sigma) {
   const HandView view(scene.camera, scene.options);
   const PostConvolution how = scene.options.post_convolution;
   int level = 0;
@@ -521,10 +523,10 @@ TEST(PublishedWaysByHand, ReferenceBringsLevelsDown) {
     const KernelField field(ball.source(), Reconstruction::kSum);
     for (const bool is_parallel : {true, false}) {
       for (const std::int64_t sheet : {-8, 2, 8}) {
-        Scene scene{field,
-                    is_parallel ? parallel_camera(focal_point, direction, 17 / kPixels)
-                                : perspective_camera(focal_point, direction, 17 / kPixels, 2),
-                    with_mode(gray_look(-0.1, 0.9), Mode::kMean), picture(41, 34, 0.2 * sigma)};
+        TestScene scene{field,
+                        is_parallel ? parallel_camera(focal_point, direction, 17 / kPixels)
+                                    : perspective_camera(focal_point, direction, 17 / kPixels, 2),
+                        with_mode(gray_look(-0.1, 0.9), Mode::kMean), picture(41, 34, 0.2 * sigma)};
         scene.options.clip_planes = HandView(scene.camera, scene.options).planes_around(sheet);
         for (const PostConvolution how : kPublishedWays) {
           scene.options.post_convolution = how;

@@ -82,7 +82,7 @@ TEST(Rings, LitSurfacesHaveNoFinerPatternThanConvergedOnes) {
         Look look = uniform_look(1, {0.9, 0.5, 0.3});
         look.shade = true;
         look.transfer_function.opacities = {{0.4, 0}, {0.4 + width, 0.95}};
-        Scene scene{field, askew_camera(field, is_parallel, 2.5), look, picture(120, 120)};
+        TestScene scene{field, askew_camera(field, is_parallel, 2.5), look, picture(120, 120)};
         const double found = fine_energy(draw(scene).image);
         scene.options.classification = Classification::kSampled;
         const double sampled = fine_energy(draw(scene).image);

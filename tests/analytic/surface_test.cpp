@@ -163,7 +163,7 @@ TEST(Isosurface, SeveralAreSeenThroughEachOther) {
   for (const double sign : {1.0, -1.0}) {
     const Camera camera = parallel_camera({3.5, 3.5, 7.5}, {0, 0, sign}, 1);
     for (const Image& image : {render(ramp, camera, look, picture(3, 3, 1)).image,
-                               cpu.render(ramp, camera, look, picture(3, 3, 1)).image}) {
+                               cpu.render({ramp, look}, camera, picture(3, 3, 1)).image}) {
       const Pixel at = center_pixel(image);
       if (sign > 0) {
         EXPECT_NEAR(at.r(), 0.25, kFloatRelative);
@@ -184,7 +184,7 @@ TEST(Isosurface, SeveralAreSeenThroughEachOther) {
   look.isosurfaces.erase(look.isosurfaces.begin());
   const Camera backwards = parallel_camera({3.5, 3.5, 7.5}, {0, 0, -1}, 1);
   for (const Image& image : {render(ramp, backwards, look, picture(3, 3, 1)).image,
-                             cpu.render(ramp, backwards, look, picture(3, 3, 1)).image}) {
+                             cpu.render({ramp, look}, backwards, picture(3, 3, 1)).image}) {
     EXPECT_NEAR(center_pixel(image).g(), 0.4, kFloatRelative);
     EXPECT_NEAR(center_pixel(image).r(), 0.6 * 0.25, kFloatRelative);
     EXPECT_NEAR(center_pixel(image).a(), 1 - 0.6 * 0.75, kFloatRelative);
@@ -193,7 +193,8 @@ TEST(Isosurface, SeveralAreSeenThroughEachOther) {
   // Without a colour of its own a surface has the look's.
   look.isosurfaces = {{8.0, {}, 0.5}};
   look.transfer_function.colors = {{0, {0, 0, 0}}, {16, {1, 1, 1}}};
-  EXPECT_NEAR(center_pixel(cpu.render(ramp, backwards, look, picture(3, 3)).image).r(), 0.25, 1e-6);
+  EXPECT_NEAR(center_pixel(cpu.render({ramp, look}, backwards, picture(3, 3)).image).r(), 0.25,
+              1e-6);
 }
 
 // Lit like everything else: colour of the isovalue, headlight, the surface's slant.

@@ -3,6 +3,7 @@
 // understood as documented.
 #include <gtest/gtest.h>
 
+#include "ovoid/renderer.h"
 #include "program.h"
 
 namespace ovoid::cli_tests {
@@ -33,6 +34,17 @@ TEST(Help, FitsATerminal) {
     std::istringstream lines(run({command, "--help"}).out);
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
   }
+}
+
+TEST(Help, WhatBackEndsDrawIsInTheDocs) {
+  std::string table = "| feature | reference | cpu | vulkan |\n|---|---|---|---|\n";
+  const auto word = [](bool draws) { return draws ? "yes" : "no"; };
+  for (const BackEndFeature& row : back_end_features()) {
+    table += std::string("| ") + row.name + " | " + word(row.by_reference) + " | " +
+             word(row.by_cpu) + " | " + word(row.by_vulkan) + " |\n";
+  }
+  const std::string docs = read_file(OVOID_SOURCE_DIR "/docs/devices.md");
+  EXPECT_NE(docs.find(table), std::string::npos) << "docs/devices.md does not hold\n" << table;
 }
 
 TEST(Help, ListsEveryCommand) {

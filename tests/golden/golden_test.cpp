@@ -115,7 +115,7 @@ void draw(const GoldenScene& scene, const std::string& path) {
   options.width = kWidth;
   options.height = kHeight;
   scene.set(camera, look, options);
-  Frame frame = Renderer(Backend::kCpu, 1).render(field, camera, look, options);
+  Frame frame = Renderer(Backend::kCpu, 1).render({field, look}, camera, options);
   if (scene.mark != nullptr) scene.mark(frame.image, camera, look, field);
   write_image(frame.image, path, kBackground);
 }

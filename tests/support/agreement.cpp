@@ -212,7 +212,7 @@ const char* name_of(PostConvolution published) {
   return published == PostConvolution::kGaussian ? "gaussian" : "cubic";
 }
 
-std::shared_ptr<const DepthLimits> random_limits(const Scene& scene, double reach) {
+std::shared_ptr<const DepthLimits> random_limits(const TestScene& scene, double reach) {
   std::mt19937 engine(23);  // NOLINT(bugprone-random-generator-seed): the same every time
   std::uniform_real_distribution<float> share(0, 1);
   const auto middle = static_cast<float>((scene.camera.focal_point - scene.camera.position).norm());
@@ -243,11 +243,11 @@ std::shared_ptr<const DepthLimits> random_limits(const Scene& scene, double reac
   return limits;
 }
 
-Scene small_scene(Mode mode, bool is_parallel) {
+TestScene small_scene(Mode mode, bool is_parallel) {
   const Index3 dims{12, 11, 13};
   FieldSetup setup;
   setup.world_from_index = oblique_axes();
-  Scene scene;
+  TestScene scene;
   scene.field = make_stored_field(dims, shells(dims), {ScalarType::kFloat32, 10, 50}, setup);
   scene.camera = askew_camera(scene.field, is_parallel, 1.3);
   scene.look = semi_transparent_look(10, 50);
@@ -270,26 +270,38 @@ bool is_left_out(int first, int second) {
   return tested_backend() == Backend::kVulkan && (first + second) % 2 != 0;
 }
 
-Frame draw(const Scene& scene, Backend backend) {
+Scene TestScene::scene() const {
+  Scene all(field, look);
+  all.volumes.insert(all.volumes.end(), further.begin(), further.end());
+  all.mixing = mixing;
+  return all;
+}
+
+Scene with_trail(Scene scene, Trail trail) {
+  scene.volumes.front().trail = std::make_shared<Trail>(std::move(trail));
+  return scene;
+}
+
+Frame draw(const TestScene& scene, Backend backend) {
   if (backend == Backend::kVulkan) {
     // Never destroyed: drivers have ends of their own.
     static auto* const renderer = new Renderer(backend, 2);
-    return renderer->render(scene.field, scene.camera, scene.look, scene.options);
+    return renderer->render(scene.scene(), scene.camera, scene.options);
   }
   const char* const target = std::getenv("OVOID_TEST_TARGET");  // a SIMD target; none: the best
   Renderer renderer(
       {.backend = backend, .threads = 2, .simd_target = target == nullptr ? "" : target});
-  return renderer.render(scene.field, scene.camera, scene.look, scene.options);
+  return renderer.render(scene.scene(), scene.camera, scene.options);
 }
 
-::testing::AssertionResult agrees_with(const Image& reference, const Scene& scene,
+::testing::AssertionResult agrees_with(const Image& reference, const TestScene& scene,
                                        const std::string& name, double least_covered,
                                        ImageTolerance tolerance) {
   return images_agree(draw(scene).image, reference, scene, name, least_covered, tolerance);
 }
 
 ::testing::AssertionResult images_agree(const Image& image, const Image& reference,
-                                        const Scene& scene, const std::string& name,
+                                        const TestScene& scene, const std::string& name,
                                         double least_covered, ImageTolerance tolerance) {
   if (scene.look.mode == Mode::kXray) {
     const double greatest = greatest_color(reference);
@@ -326,12 +338,12 @@ Frame draw(const Scene& scene, Backend backend) {
   return agree(image, reference, file_name, tolerance);
 }
 
-::testing::AssertionResult backends_agree(const Scene& scene, const std::string& name,
+::testing::AssertionResult backends_agree(const TestScene& scene, const std::string& name,
                                           double least_covered, ImageTolerance tolerance) {
   return agrees_with(draw(scene, Backend::kReference).image, scene, name, least_covered, tolerance);
 }
 
-void expect_agreement_however_evaluated(Scene scene, const std::string& name,
+void expect_agreement_however_evaluated(TestScene scene, const std::string& name,
                                         double least_covered) {
   const Image reference = draw(scene, Backend::kReference).image;
   for (const Evaluate evaluate : {Evaluate::kGather, Evaluate::kScatter, Evaluate::kAuto}) {

@@ -60,14 +60,19 @@ inline constexpr Mode kModes[] = {Mode::kComposite, Mode::kXray,       Mode::kMa
 inline constexpr const char* kModeNames[] = {"composite", "xray",       "maximum",
                                              "mean",      "isosurface", "minimum"};
 
-struct Scene {
+struct TestScene {
   Field field;
   Camera camera;
   Look look;
   RenderOptions options;
+  std::vector<Volume> further{};  // behind the first
+  Mixing mixing = Mixing::kAveraged;
 
   const LatticeField& lattice() const { return *field.lattice(); }
+  Scene scene() const;
 };
+
+Scene with_trail(Scene scene, Trail trail);
 
 // A view from no axis' direction that shows the whole field, its bounding sphere `fill` times as
 // high as the picture.
@@ -80,11 +85,11 @@ const char* name_of(PostConvolution published);
 // Limits for a scene's picture: stops at random, at most `reach` from the focal distance, half of
 // them with a colour; up to eight in a pixel, and none in every ninth. Some pixels are covered in
 // part.
-std::shared_ptr<const DepthLimits> random_limits(const Scene& scene, double reach);
+std::shared_ptr<const DepthLimits> random_limits(const TestScene& scene, double reach);
 
 // 12 x 11 x 13 samples on oblique axes with all of it in a picture of 24 x 20: small enough for the
 // reference's slab means.
-Scene small_scene(Mode mode, bool is_parallel);
+TestScene small_scene(Mode mode, bool is_parallel);
 
 // The back end that is held to the reference: cpu, or what the environment's OVOID_TEST_BACKEND
 // names. So all of these tests are run for every back end.
@@ -99,27 +104,27 @@ bool is_left_out(int first, int second);
 
 // With a renderer of its own on two threads; of the vulkan back end, which takes seconds to start
 // where a processor is its device, one for all.
-Frame draw(const Scene& scene, Backend backend = tested_backend());
+Frame draw(const TestScene& scene, Backend backend = tested_backend());
 
 // Draws the scene with both back ends and holds the tested one to `tolerance` and
 // kAgreementOtherDepths; prints one line with what was measured. `least_covered`: share of the
 // picture that must show something, so that an empty scene does not pass for agreement.
-::testing::AssertionResult backends_agree(const Scene& scene, const std::string& name,
+::testing::AssertionResult backends_agree(const TestScene& scene, const std::string& name,
                                           double least_covered = 0.05,
                                           ImageTolerance tolerance = {});
 
 // The same with the reference's picture at hand.
-::testing::AssertionResult agrees_with(const Image& reference, const Scene& scene,
+::testing::AssertionResult agrees_with(const Image& reference, const TestScene& scene,
                                        const std::string& name, double least_covered = 0.05,
                                        ImageTolerance tolerance = {});
 
 // The same with both pictures at hand.
 ::testing::AssertionResult images_agree(const Image& image, const Image& reference,
-                                        const Scene& scene, const std::string& name,
+                                        const TestScene& scene, const std::string& name,
                                         double least_covered = 0.05, ImageTolerance tolerance = {});
 
 // Every way to evaluate the scene against one picture of the reference.
-void expect_agreement_however_evaluated(Scene scene, const std::string& name,
+void expect_agreement_however_evaluated(TestScene scene, const std::string& name,
                                         double least_covered = 0.05);
 
 }  // namespace ovoid::test

@@ -223,33 +223,33 @@ TEST_F(Documents, ResetTheCameraButNotItsProjection) {
   EXPECT_LT((from - Vec3(-1, 0, 0)).norm(), 1e-12);
 }
 
-TEST_F(Documents, ScenesAreOneOrTwo) {
+TEST_F(Documents, JobsAreOneOrTwo) {
   open();
-  EXPECT_EQ(document_.scenes(kPicture).size(), 1U);
+  EXPECT_EQ(document_.jobs(kPicture).size(), 1U);
   document_.other = Setting{document_.view, document_.setup};
   document_.other->setup.backend = Backend::kReference;
-  EXPECT_EQ(document_.scenes(kPicture).size(), 1U);
+  EXPECT_EQ(document_.jobs(kPicture).size(), 1U);
   document_.compare = CompareMode::kSideBySide;
-  auto scenes = document_.scenes(kPicture);
-  ASSERT_EQ(scenes.size(), 2U);
-  EXPECT_EQ(scenes[0]->setup.backend, Backend::kReference);
-  EXPECT_EQ(scenes[0]->options.width, 32);
-  EXPECT_EQ(scenes[1]->options.width, 32);
+  auto jobs = document_.jobs(kPicture);
+  ASSERT_EQ(jobs.size(), 2U);
+  EXPECT_EQ(jobs[0]->setup.backend, Backend::kReference);
+  EXPECT_EQ(jobs[0]->options.width, 32);
+  EXPECT_EQ(jobs[1]->options.width, 32);
   // Half as wide, and the whole width of the view in it.
   const Projection whole(document_.camera, 64, 48);
-  const Projection half(scenes[1]->camera, 32, 48);
+  const Projection half(jobs[1]->camera, 32, 48);
   const double depth = whole.focal_depth();
   EXPECT_NEAR(half.pixel_size_at(depth) * 32, whole.pixel_size_at(depth) * 64, 1e-9 * depth);
   // Of a view that alone is wider.
   const Projection wider(document_.camera, 96, 48);
-  const Projection narrow(document_.scenes(kPicture, 96)[1]->camera, 32, 48);
+  const Projection narrow(document_.jobs(kPicture, 96)[1]->camera, 32, 48);
   EXPECT_NEAR(narrow.pixel_size_at(depth) * 32, wider.pixel_size_at(depth) * 96, 1e-9 * depth);
   for (const CompareMode mode : {CompareMode::kDivided, CompareMode::kDifference}) {
     document_.compare = mode;
-    scenes = document_.scenes(kPicture);
-    EXPECT_EQ(scenes[0]->options.width, 64);
-    EXPECT_EQ(scenes[1]->options.height, 48);
-    EXPECT_EQ(scenes[0]->camera.view_angle, document_.camera.view_angle);
+    jobs = document_.jobs(kPicture);
+    EXPECT_EQ(jobs[0]->options.width, 64);
+    EXPECT_EQ(jobs[1]->options.height, 48);
+    EXPECT_EQ(jobs[0]->camera.view_angle, document_.camera.view_angle);
   }
 }
 

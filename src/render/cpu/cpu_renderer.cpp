@@ -127,6 +127,7 @@ struct PreparedFrame {
     }
     if (beside.empty()) return;
     frame.is_mixed = true;
+    frame.mixing = job.mixing;
     frame.samples_at_nodes = false;
     // All or none take differences, so that their blocks have the same margins.
     bool takes_differences = frame.takes_differences;
@@ -304,7 +305,7 @@ Image draw_base_plane(const FrameJob& job, const Machine& machine, FrameProfile&
         part_of(job.hooks, kShareOfBase * number / times, kShareOfBase * (number + 1) / times);
     relevance =
         draw_samples({job.field, job.camera, job.look, job.trail, options, hooks, job.light, &plane,
-                      job.further},
+                      job.further, job.mixing},
                      machine, {wanted ? &*wanted : nullptr, std::move(relevance)}, image, profile);
     picture = std::move(image);
     if (n == 1) return picture;

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "ovoid/scene.h"
 #include "render/cpu/frame.h"
 #include "render/shared/lattice_values.h"
 
@@ -20,6 +21,7 @@ struct LatticeFrame : CpuFrame, LatticeTraits {
   // Drawn with this frame sheet by sheet: further volumes, which are mixed with it, or a trail.
   std::vector<const LatticeFrame*> beside;
   bool is_mixed = false;  // with what is beside it; else that is behind it
+  Mixing mixing = Mixing::kAveraged;
 };
 
 }  // namespace ovoid::cpu

@@ -117,7 +117,7 @@ struct MixedGroup {
 
 // Whether one layer that shows something alone is drawn as it is: not one that only has colours.
 inline bool may_be_alone(const LatticeFrame& frame) {
-  return !frame.is_mixed || frame.options->mixing != Mixing::kColored;
+  return !frame.is_mixed || frame.mixing != Mixing::kColored;
 }
 
 // --- samples on a sheet
@@ -132,7 +132,7 @@ inline void mix_sheets(const Layers& layers, int rows, ShadedSheet& mixed) {
     mixed.visible[y] = any;
     for_each_group(any, place.margin, place.columns - place.margin, [&](int column, std::uint32_t) {
       const int at = y * kTilePlane.stride + column;
-      MixedGroup sum(layers[0].frame->options->mixing);
+      MixedGroup sum(layers[0].frame->mixing);
       for (std::size_t i = 0; i < layers.count; ++i) {
         if (!layers[i].is_ready()) continue;
         const ShadedSheet& own = layers[i].work->shaded;
@@ -212,7 +212,7 @@ inline SampleBatch::Run mix_runs(const Layers& layers, const MixedSamples::Run& 
   }
   const int samples = out.count == 0 ? group_size() : out.count;
   for (int first = 0; first < samples; first += group_size()) {
-    MixedGroup sum(layers[0].frame->options->mixing);
+    MixedGroup sum(layers[0].frame->mixing);
     V depth = hn::Zero(d);
     M has_depth = hn::FirstN(d, 0);
     for (std::size_t i = layers.count; i-- > 0;) {

@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-#include "ovoid/further_volumes.h"
+#include "ovoid/scene.h"
 #include "render/cpu/filter_band.h"
 #include "render/cpu/lattice_block.h"
 
@@ -48,7 +48,7 @@ struct NodeSpan {
 NodeSpan nodes_for(double node_step, int first_pixel, int last_pixel);
 
 // The fields of a frame that are mixed.
-inline constexpr std::size_t kMostLayers = 1 + kMostFurtherVolumes;
+inline constexpr std::size_t kMostLayers = Scene::kMaxVolumes;
 
 // What several fields show, to be mixed.
 struct MixedSamples {

@@ -181,7 +181,7 @@ struct TracedField {
 
 // On image sheets, or the picture on a base plane, whose size job.options has.
 Frame render_samples(const FrameJob& job, int threads) {
-  const auto& [field, camera, look, trail, options, hooks, light, base, further] = job;
+  const auto& [field, camera, look, trail, options, hooks, light, base, further, mixing] = job;
   data::require_field(field);
   camera.validate();
   look.validate();
@@ -197,7 +197,7 @@ Frame render_samples(const FrameJob& job, int threads) {
     behind.emplace(*trail->field, job, trail->look, trail->options, BesideTracer{}, nullptr);
     beside.trail = &behind->tracer;
   }
-  beside.mixing = options.mixing;
+  beside.mixing = mixing;
   std::deque<TracedField> mixed;
   for (const FurtherVolume& volume : further) {
     mixed.emplace_back(volume.field, job, volume.look, options, BesideTracer{}, light);
@@ -323,7 +323,7 @@ Frame render(const FrameJob& job, int threads) {
   of_samples.stop = hooks.stop;
   of_samples.progress = hooks.progress;
   Frame frame = render_samples({job.field, job.camera, job.look, job.trail, of_base, of_samples,
-                                job.light, job.base, job.further},
+                                job.light, job.base, job.further, job.mixing},
                                threads);
   frame.image = warped(*job.base, frame.image, options);
   for (int y = 0; y < options.height; ++y) {

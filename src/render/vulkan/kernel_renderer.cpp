@@ -535,7 +535,7 @@ void KernelRenderer::set_needs(Set& set) {
 
 void KernelRenderer::render(const FrameJob& job, Image& image, FrameProfile& profile) {
   const KernelField& field = *job.field.kernels();
-  const auto& [any_field, camera, look, trail, options, hooks, light, base, further] = job;
+  const auto& [any_field, camera, look, trail, options, hooks, light, base, further, mixing] = job;
   require_few_stops(options.depth_limits.get(), bench_.device->info().kind);
   Commands& commands = bench_.commands;
   std::optional<HostStage> planning(std::in_place, commands, "plan");

@@ -315,7 +315,8 @@ void LatticeRenderer::draw_box(const Job& job, std::size_t number, const Strip& 
 }
 
 void LatticeRenderer::render(const FrameJob& frame, Image& image, FrameProfile& profile) {
-  const auto& [any_field, camera, look, trail, options, hooks, light, base, further] = frame;
+  const auto& [any_field, camera, look, trail, options, hooks, light, base, further, mixing] =
+      frame;
   const LatticeField& field = *any_field.lattice();
   std::optional<HostStage> planning(std::in_place, bench_.commands, "plan");
   Job job{options, light, {field, camera, look, options, kept_}};

@@ -53,18 +53,6 @@ struct VulkanRenderer::Impl {
   // memory does not suffice while other fields lie there, it is tried once more without them; a
   // device that is lost is given up, and the next frame opens it anew.
   Frame draw(const FrameJob& job) {
-    if (job.look.mode == Mode::kIsosurface && !job.look.isosurfaces.empty())
-      throw Error(ErrorCode::kUnsupported, "isosurfaces: backend vulkan draws one, not several");
-    if (job.look.transfer_function_2d)
-      throw Error(ErrorCode::kUnsupported,
-                  "2-D transfer function: not by backend vulkan, take cpu or auto");
-    if (job.trail != nullptr && job.field.kernels() != nullptr)
-      throw Error(ErrorCode::kUnsupported,
-                  "trail: backend vulkan draws those of lattices, not of kernel sets, take cpu or "
-                  "auto");
-    if (!job.further.empty())
-      throw Error(ErrorCode::kUnsupported,
-                  "further volumes: backend vulkan draws one, take cpu or auto");
     const bool is_fresh = !bench || !has_drawn;
     try {
       return try_to_draw(job);

@@ -18,6 +18,7 @@ class VulkanRenderer final : public BackEnd {
   VulkanRenderer(const VulkanRenderer&) = delete;
   VulkanRenderer& operator=(const VulkanRenderer&) = delete;
 
+  Backend kind() const noexcept override { return Backend::kVulkan; }
   Frame draw(const FrameJob& job) override;
 
  private:

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "ovoid/value_plane.h"
+#include "ovoid/renderer.h"
 #include "support/scenes.h"
 #include "support/volumes.h"
 
@@ -28,8 +28,9 @@ struct PlaneScene {
 
 inline Frame draw(const PlaneScene& scene, int threads = 2, const RenderHooks& hooks = {}) {
   Renderer renderer(Backend::kCpu, threads);
-  return render_with_plane(renderer, scene.field, scene.camera, scene.look, scene.plane,
-                           scene.options, hooks);
+  Scene with_plane(scene.field, scene.look);
+  with_plane.plane = scene.plane;
+  return renderer.render(with_plane, scene.camera, scene.options, hooks);
 }
 
 // The same without the plane, or with it as a clip plane that keeps one side.
@@ -37,7 +38,7 @@ inline Image draw_volume(const PlaneScene& scene, double side = 0) {
   RenderOptions options = scene.options;
   if (side != 0)
     options.clip_planes.push_back({side * scene.plane.normal, side * scene.plane.offset});
-  return Renderer(Backend::kCpu, 2).render(scene.field, scene.camera, scene.look, options).image;
+  return Renderer(Backend::kCpu, 2).render({scene.field, scene.look}, scene.camera, options).image;
 }
 
 inline Look without_opacity(Look look) {

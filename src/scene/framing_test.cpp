@@ -52,7 +52,7 @@ TEST(Framing, WhatShowsFillsThePictureFromEverywhere) {
       Camera start = default_camera(bounds, Space::kNone, view);
       start.parallel_projection = is_parallel;
       for (const double aspect : {0.5, 1.0, 2.0}) {
-        const Camera camera = framed(start, field, ball_look(), {.aspect = aspect});
+        const Camera camera = framed(start, {field, ball_look()}, {.aspect = aspect});
         // Not turned.
         const Vec3 before = (start.focal_point - start.position).normalized();
         EXPECT_LT((before - (camera.focal_point - camera.position).normalized()).norm(), 1e-12);
@@ -80,9 +80,9 @@ TEST(Framing, IsosurfacesOfDistancesFillThePicture) {
         return (place - kBallCenter).norm() < kBallRadius ? 0.0 : 1.0;
       });
   const Camera start = default_camera(more.world_bounds(), Space::kNone, "three-quarter");
-  const Camera camera = framed(start, more, look);
+  const Camera camera = framed(start, {more, look});
   EXPECT_LT(seen_at(camera, kBallCenter).norm(), 0.06 * half_height(camera));
-  EXPECT_EQ(framed(start, less, look).position, camera.position);
+  EXPECT_EQ(framed(start, {less, look}).position, camera.position);
 }
 
 // Turned around its focal point, the ball stays within the picture.
@@ -91,7 +91,7 @@ TEST(Framing, ForTurningAllStaysInSight) {
       test::make_field({64, 16, 16}, [](std::int64_t, std::int64_t, std::int64_t) { return 1.0; });
   const Bounds3 bounds = field.world_bounds();
   const Camera start = default_camera(bounds, Space::kNone, "+x");
-  Camera camera = framed(start, field, ball_look(), {.aspect = 1.5, .is_for_turning = true});
+  Camera camera = framed(start, {field, ball_look()}, {.aspect = 1.5, .is_for_turning = true});
   for (int turn = 0; turn < 12; ++turn) {
     for (int corner = 0; corner < 8; ++corner) {
       const Eigen::Vector2d at =
@@ -106,16 +106,15 @@ TEST(Framing, ClipPlanesLeaveTheirHalf) {
   const LatticeField field =
       test::make_field({64, 16, 16}, [](std::int64_t, std::int64_t, std::int64_t) { return 1.0; });
   const Camera start = default_camera(field.world_bounds(), Space::kNone, "+z");
-  const Camera whole = framed(start, field, ball_look());
+  const Camera whole = framed(start, {field, ball_look()});
   Framing framing;
   framing.clip_planes = {{Vec3(1, 0, 0), 48}};
-  const Camera cut = framed(start, field, ball_look(), framing);
+  const Camera cut = framed(start, {field, ball_look()}, framing);
   EXPECT_GT(cut.focal_point.x(), 50);
   EXPECT_LT((cut.position - cut.focal_point).norm(),
             0.6 * (whole.position - whole.focal_point).norm());
 }
 
-// Single samples far away, and what is nearly invisible, do not count.
 // What is left of a triangle is framed, though one of its corners alone is.
 TEST(Framing, CutSurfacesFillThePictureToo) {
   Surface surface;
@@ -124,13 +123,17 @@ TEST(Framing, CutSurfacesFillThePictureToo) {
   surface.triangles.push_back({.corners = {0, 1, 2}});
   Camera start = default_camera(surface.bounds, Space::kNone, "+z", 1);
   start.parallel_projection = true;
-  const Camera camera = framed(start, surface, {.clip_planes = {{Vec3(1, 0, 0), 1}}});
+  Scene scene(ball_field(), ball_look());
+  scene.volumes.front().boundary = std::make_shared<Surface>(surface);
+  scene.volumes.front().walls = {1, false};
+  const Camera camera = framed(start, scene, {.clip_planes = {{Vec3(1, 0, 0), 1}}});
   // x from 1 to 4, y from 0 to 3.
   EXPECT_NEAR(camera.focal_point.x(), 2.5, 1e-3);
   EXPECT_NEAR(camera.focal_point.y(), 1.5, 1e-3);
   EXPECT_NEAR(half_height(camera), 1.5 / 0.9, 0.02);
 }
 
+// Single samples far away, and what is nearly invisible, do not count.
 TEST(Framing, SpecksAndHazeArePassedOver) {
   const Vec3 center(46, 50, 48);
   const auto field_with = [&](double speck, double haze) {
@@ -144,8 +147,8 @@ TEST(Framing, SpecksAndHazeArePassedOver) {
   look.transfer_function.opacities = {{0.1, 0.0}, {0.15, 0.0001}, {0.4, 0.0001}, {0.6, 0.9}};
   const LatticeField plain = field_with(0, 0);
   const Camera start = default_camera(plain.world_bounds(), Space::kNone, "+z");
-  const Camera without = framed(start, plain, look);
-  const Camera with = framed(start, field_with(1, 0.2), look);
+  const Camera without = framed(start, {plain, look});
+  const Camera with = framed(start, {field_with(1, 0.2), look});
   EXPECT_LT((with.focal_point - without.focal_point).norm(), 1);
   EXPECT_NEAR((with.position - with.focal_point).norm(),
               (without.position - without.focal_point).norm(), 5);
@@ -166,34 +169,38 @@ TEST(Framing, TrailsFillThePictureByThemselves) {
   Trail trail{.field = ball_at(then), .transfer_function = ball_look().transfer_function};
   Camera start = default_camera(field.world_bounds(), Space::kNone, "-y");
   start.parallel_projection = true;
-  const Framing framing{.aspect = 4, .trail = &trail};
+  const auto camera_with = [&](const Trail& with) {
+    Scene scene(field, ball_look());
+    scene.volumes.front().trail = std::make_shared<Trail>(with);
+    return framed(start, scene, {.aspect = 4});
+  };
   for (const double opacity : {0.9, 0.005}) {
     trail.transfer_function.opacities = {{0.4, 0.0}, {0.6, opacity}};
-    const Camera camera = framed(start, field, ball_look(), framing);
+    const Camera camera = camera_with(trail);
     EXPECT_NEAR(camera.focal_point.x(), 48, 1) << opacity;
     EXPECT_LT(seen_at(camera, then - Vec3(kBallRadius, 0, 0)).x(), -0.8 * 4 * half_height(camera));
     EXPECT_GT(seen_at(camera, then - Vec3(kBallRadius, 0, 0)).x(), -4 * half_height(camera));
   }
   trail.transfer_function.opacities = {{0.4, 0.0}, {0.6, 0.0001}};
-  EXPECT_EQ(framed(start, field, ball_look(), framing).position,
-            framed(start, field, ball_look(), {.aspect = 4}).position);
+  EXPECT_EQ(camera_with(trail).position,
+            framed(start, {field, ball_look()}, {.aspect = 4}).position);
 }
 
 TEST(Framing, WhereNothingShowsTheCameraStays) {
   Look look = ball_look();
   look.transfer_function.opacities = {{0, 0}};
   const Camera start = default_camera(ball_field().world_bounds());
-  const Camera camera = framed(start, ball_field(), look);
+  const Camera camera = framed(start, {ball_field(), look});
   EXPECT_EQ(camera.position, start.position);
   EXPECT_EQ(camera.focal_point, start.focal_point);
 }
 
 TEST(Framing, RefusesWhatItCannotFill) {
   const Camera start = default_camera(ball_field().world_bounds());
-  EXPECT_THROW(framed(start, ball_field(), ball_look(), {.aspect = 0}), Error);
-  EXPECT_THROW(framed(start, ball_field(), ball_look(), {.fill = 0}), Error);
-  EXPECT_THROW(framed(start, ball_field(), ball_look(), {.fill = 1.1}), Error);
-  EXPECT_THROW(framed(start, Field(), ball_look()), Error);
+  EXPECT_THROW(framed(start, {ball_field(), ball_look()}, {.aspect = 0}), Error);
+  EXPECT_THROW(framed(start, {ball_field(), ball_look()}, {.fill = 0}), Error);
+  EXPECT_THROW(framed(start, {ball_field(), ball_look()}, {.fill = 1.1}), Error);
+  EXPECT_THROW(framed(start, {Field(), ball_look()}), Error);
 }
 
 TEST(FirstCamera, FacesPatientsLooksDownOnGroundAndAtTheLongSide) {

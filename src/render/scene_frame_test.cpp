@@ -5,14 +5,14 @@
 
 #include "model/test_datasets.h"
 #include "ovoid/error.h"
-#include "ovoid/geometry.h"
 #include "ovoid/model.h"
-#include "ovoid/render_mesh.h"
+#include "ovoid/renderer.h"
+#include "render/scene_limits.h"
 #include "support/compare.h"
 #include "support/scenes.h"
 
 namespace ovoid {
-namespace render_geometry_test {
+namespace scene_frame_test {
 
 using test::parallel_camera;
 using test::pixel;
@@ -71,9 +71,9 @@ std::shared_ptr<const Surface> box_surface(const Vec3& lo, const Vec3& hi) {
 Frame drawn_with(const Field& field, const Look& look, std::vector<Geometry> geometry,
                  const RenderOptions& options = of_scene(), Backend backend = Backend::kCpu,
                  int threads = 1) {
-  Renderer renderer(backend, threads);
-  return render_with_scenery(renderer, field, towards_z(), look, {std::move(geometry), {}},
-                             options);
+  Scene scene(field, look);
+  scene.surfaces = std::move(geometry);
+  return Renderer(backend, threads).render(scene, towards_z(), options);
 }
 
 // Light that comes through so much of the field is (1 - 0.1)^length.
@@ -168,8 +168,9 @@ TEST(Geometry, LimitsOfAFieldStay) {
     limits->first.push_back(static_cast<std::uint32_t>(limits->stops.size()));
   }
   options.depth_limits = limits;
-  const DepthLimits all = limits_with(std::vector{Geometry{sheet_at(0), kSceneRed}}, towards_z(),
-                                      without_light(), options, 1);
+  const DepthLimits layers =
+      layers_of({sheet_at(0), kSceneRed}, towards_z(), without_light(), options, 1, {}, nullptr);
+  const DepthLimits all = merged_limits({&layers, 1}, nullptr, options, 1, {});
   all.validate();
   const auto stops = all.of_pixel(20, 32);
   ASSERT_EQ(stops.size(), 3U);
@@ -275,21 +276,21 @@ TEST(Geometry, ShadowsTheWallsOfAMesh) {
   Renderer renderer(Backend::kCpu, 1);
   Look look = under_a_key(1);
   const auto blue = [&](const std::vector<Geometry>& geometry, int x) {
-    Scenery scenery{geometry, {}};
-    scenery.mesh = mesh.get();
-    scenery.walls = {1, false};
-    const Image image =
-        render_with_scenery(renderer, cube_field(), towards_z(), look, scenery, of_scene()).image;
-    return pixel(image, x, 32).b();
+    Scene scene(cube_field(), look);
+    scene.volumes.front().boundary = mesh;
+    scene.volumes.front().walls = {1, false};
+    scene.surfaces = geometry;
+    return pixel(renderer.render(scene, towards_z(), of_scene()).image, x, 32).b();
   };
   EXPECT_LT(blue(before_the_cube(1), 32), 0.4 * blue({}, 32));
   EXPECT_NEAR(blue(before_the_cube(1), 18), blue({}, 18), 0.02);
   RenderOptions options = of_scene();
   options.depth_limits = std::make_shared<DepthLimits>();
-  Scenery twice{before_the_cube(1), {}};
-  twice.mesh = mesh.get();
-  EXPECT_THROW(render_with_scenery(renderer, cube_field(), towards_z(), look, twice, options),
-               Error);
+  Scene twice(cube_field(), look);
+  twice.volumes.front().boundary = mesh;
+  twice.volumes.front().walls = {1, false};
+  twice.surfaces = before_the_cube(1);
+  EXPECT_THROW(renderer.render(twice, towards_z(), options), Error);
 }
 
 TEST(Geometry, CastsAlikeOnAllBackEnds) {
@@ -312,15 +313,12 @@ TEST(Geometry, CastsAlikeOnAllBackEnds) {
 TEST(FieldSlices, CastNothing) {
   Renderer renderer(Backend::kCpu, 1);
   const Look look = under_a_key(1, 0.8);
-  Scenery scenery;
-  scenery.geometry = before_the_cube(1);
-  const auto picture = [&] {
-    return render_with_scenery(renderer, cube_field(), towards_z(), look, scenery, of_scene())
-        .image;
-  };
+  Scene scene(cube_field(), look);
+  scene.surfaces = before_the_cube(1);
+  const auto picture = [&] { return renderer.render(scene, towards_z(), of_scene()).image; };
   const Image without = picture();
   // Through the cube, far from what is seen of it.
-  scenery.slices = {{{0, 0, 1}, 3.9, test::uniform_look(1).transfer_function, 1}};
+  scene.slices = {{{0, 0, 1}, 3.9, test::uniform_look(1).transfer_function, 1}};
   const Image with = picture();
   EXPECT_NEAR(pixel(with, 40, 32).b(), pixel(without, 40, 32).b(), 1e-3);
 }
@@ -339,9 +337,9 @@ TEST(FieldSlices, ShowTheFieldAtTheirDepth) {
   const auto picture = [&](double opacity, double z = 1) {
     slice.opacity = opacity;
     slice.offset = 2 * z;
-    return render_with_scenery(renderer, field, towards_z(), without_light(0), {{}, {slice}},
-                               of_scene())
-        .image;
+    Scene scene(field, without_light(0));
+    scene.slices = {slice};
+    return renderer.render(scene, towards_z(), of_scene()).image;
   };
   const Image opaque = picture(1);
   for (const int x : {24, 30, 36, 40}) {
@@ -357,15 +355,108 @@ TEST(FieldSlices, ShowTheFieldAtTheirDepth) {
 
 TEST(FieldSlices, CrossEachOtherAndSurfaces) {
   const TransferFunction white = test::uniform_look(1).transfer_function;
-  Scenery scenery;
-  scenery.slices = {{{0, 0, 1}, 1, white, 0.5}, {{0, 0, 1}, -1, white, 0.5}};
-  scenery.geometry = {{sheet_at(0), {0, 0, 0}}};
-  Renderer renderer(Backend::kCpu, 1);
-  const Image image = render_with_scenery(renderer, cube_field(), towards_z(), without_light(0),
-                                          scenery, of_scene())
-                          .image;
+  Scene scene(cube_field(), without_light(0));
+  scene.slices = {{{0, 0, 1}, 1, white, 0.5}, {{0, 0, 1}, -1, white, 0.5}};
+  scene.surfaces = {{sheet_at(0), {0, 0, 0}}};
+  const Image image = Renderer(Backend::kCpu, 1).render(scene, towards_z(), of_scene()).image;
   EXPECT_NEAR(pixel(image, 32, 32).r(), 0.5, 1e-5);  // the far one is behind black
   EXPECT_NEAR(pixel(image, 32, 32).a(), 1, 1e-5);
+}
+
+// The light of the scene goes before that of the look. Fails if there are two, or none.
+TEST(Scenes, HaveOneLight) {
+  const Look lit = under_a_key(1, 0.5);
+  Scene by_look(cube_field(), lit);
+  by_look.surfaces = before_the_cube(1);
+  Scene by_scene = by_look;
+  by_scene.volumes.front().look.lighting() = {};
+  by_scene.lighting = lit.lighting();
+  Renderer renderer(Backend::kCpu, 1);
+  const Image expected = renderer.render(by_look, towards_z(), of_scene()).image;
+  EXPECT_EQ(renderer.render(by_scene, towards_z(), of_scene()).image.rgba, expected.rgba);
+  by_scene.lighting.reset();
+  EXPECT_NE(renderer.render(by_scene, towards_z(), of_scene()).image.rgba, expected.rgba);
+}
+
+// Two plates, one in the other's shadow, and nothing else. Fails if what has no volume has no
+// light of its own.
+TEST(Scenes, SurfacesAloneThrowShadows) {
+  Scene scene;
+  scene.surfaces = {{box_surface({-7, -7, 4}, {7, 7, 5})},
+                    {box_surface({-2, -2, -5}, {2, 2, -4.5})}};
+  Lighting light;
+  light.light_direction = Vec3(0.8, 0, -1);  // from the right, and from the eye's side
+  Renderer renderer(Backend::kCpu, 1);
+  const auto at = [&](double shadows, int x) {
+    light.shadows = shadows;
+    scene.lighting = light;
+    return pixel(renderer.render(scene, towards_z(), of_scene()).image, x, 32).r();
+  };
+  const int shadowed = 5, lit = 56;  // the shadow falls 7 to the left
+  EXPECT_LT(at(1, shadowed), 0.7 * at(0, shadowed));
+  EXPECT_NEAR(at(1, lit), at(0, lit), 0.05);
+}
+
+// As beside a field that nobody sees. Fails if what has no volume is not drawn, or in another
+// light.
+TEST(Scenes, SurfacesAloneAreAsBesideNothing) {
+  for (const double opacity : {1.0, 0.4}) {
+    Scene alone;
+    alone.surfaces = {{box_surface({-3, -2, -1}, {2, 3, 4}), kSceneRed, opacity}, {sheet_at(6, 4)}};
+    Look unseen;
+    unseen.transfer_function.colors = {{0, {0, 0, 0}}};
+    unseen.transfer_function.opacities = {{0, 0}};
+    Scene beside(cube_field(), unseen);
+    beside.surfaces = alone.surfaces;
+    Renderer renderer(Backend::kCpu, 2);
+    const Image image = renderer.render(alone, towards_z(), of_scene()).image;
+    EXPECT_GT(pixel(image, 30, 32).a(), 0.3);
+    EXPECT_EQ(image.rgba, renderer.render(beside, towards_z(), of_scene()).image.rgba);
+  }
+}
+
+// Fails if a flat or single surface has no room around it.
+TEST(Scenes, FlatSurfacesAloneAreDrawn) {
+  Scene alone;
+  alone.surfaces = {{sheet_at(0, 4), kSceneRed}};
+  for (const Backend backend : {Backend::kCpu, Backend::kReference}) {
+    const Image image = Renderer(backend, 1).render(alone, towards_z(), of_scene()).image;
+    EXPECT_EQ(pixel(image, 32, 32).a(), 1);
+    EXPECT_NEAR(test::depth(image, 32, 32), 20, 1e-3);
+    EXPECT_EQ(pixel(image, 4, 32).a(), 0);
+  }
+}
+
+// The field is drawn where the mesh and the caller's limits both say so: half of a cube that is 8
+// deep.
+TEST(Scenes, ABoundaryAndLimitsAreInOneFrame) {
+  Scene scene(cube_field(), without_light());
+  scene.volumes.front().boundary =
+      make_surface(model::mesh_dataset({{-2, -2, -2},
+                                        {2, -2, -2},
+                                        {2, 2, -2},
+                                        {-2, 2, -2},
+                                        {-2, -2, 2},
+                                        {2, -2, 2},
+                                        {2, 2, 2},
+                                        {-2, 2, 2}},
+                                       {{CellType::kHexahedron, {0, 1, 2, 3, 4, 5, 6, 7}}}));
+  RenderOptions options = of_scene();
+  auto limits = std::make_shared<DepthLimits>();
+  limits->width = limits->height = kSceneSide;
+  limits->first.push_back(0);
+  for (int i = 0; i < kSceneSide * kSceneSide; ++i) {
+    limits->stops.push_back({-100, true, false, {}});
+    limits->stops.push_back({21, false, false, {}});
+    limits->first.push_back(static_cast<std::uint32_t>(limits->stops.size()));
+  }
+  options.depth_limits = limits;
+  Renderer renderer(Backend::kCpu, 1);
+  const Image image = renderer.render(scene, towards_z(), options).image;
+  EXPECT_NEAR(pixel(image, 32, 32).a(), 1 - std::pow(0.9, 3), 2e-3);  // from 18 to 21
+  EXPECT_EQ(pixel(image, 32 + 12, 32).a(), 0);  // in the cube, not in the mesh
+  scene.volumes.front().walls = {0.5, false};
+  EXPECT_THROW(renderer.render(scene, towards_z(), options), Error);
 }
 
 TEST(Geometry, RefusesAndStops) {
@@ -397,15 +488,15 @@ TEST(Geometry, RefusesAndStops) {
   stop.request_stop();
   RenderHooks hooks;
   hooks.stop = stop.get_token();
-  Renderer renderer(Backend::kCpu, 1);
+  Scene scene(cube_field(), without_light());
+  scene.surfaces = {{sheet_at(0), kSceneRed}};
   try {
-    render_with_scenery(renderer, cube_field(), towards_z(), without_light(),
-                        {{{sheet_at(0), kSceneRed}}, {}}, of_scene(), hooks);
+    Renderer(Backend::kCpu, 1).render(scene, towards_z(), of_scene(), hooks);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kCancelled);
   }
 }
 
-}  // namespace render_geometry_test
+}  // namespace scene_frame_test
 }  // namespace ovoid

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ovoid/render_points.h"
+#include "render/point_frame.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "support/scenes.h"
 
 namespace ovoid {
-namespace render_points_test {
+namespace point_frame_test {
 
 using test::parallel_camera;
 using test::perspective_camera;
@@ -70,7 +70,7 @@ TEST(RenderPoints, ABallIsWhereItsKernelIsAndAsLarge) {
   for (const bool is_parallel : {true, false}) {
     const Camera camera =
         is_parallel ? from_above() : perspective_camera({0, 0, 0}, {0, 0, -1}, 6, 20);
-    const Image image = render_points(field, camera, plain_gray(), {}, square_options(), 1).image;
+    const Image image = paint_points(field, camera, plain_gray(), {}, square_options(), 1).image;
     const Vec3 axis = (camera.focal_point - camera.position).normalized();
     const Vec3 right = axis.cross(camera.view_up).normalized();
     const Vec3 up = right.cross(axis);
@@ -99,7 +99,7 @@ TEST(RenderPoints, TheNearerHidesTheFarther) {
     const double z = is_first_near ? 3 : -3;
     const KernelField field = field_of({{{0, 0, z}, 2, -5}, {{0.5, 0, -z}, 2, 5}});
     const Image image =
-        render_points(field, from_above(), plain_gray(), {}, square_options(), 1).image;
+        paint_points(field, from_above(), plain_gray(), {}, square_options(), 1).image;
     EXPECT_NEAR(pixel(image, kSquare / 2, kSquare / 2).r(), is_first_near ? 0.25 : 0.75, 1e-5);
   }
 }
@@ -112,7 +112,7 @@ TEST(RenderPoints, AreLitAsBalls) {
   look.material = {0.1, 0.8, 0, 1};
   const KernelField field = field_of({{{0, 0, 0}, 8, 0}});
   const Camera camera = from_above();
-  const Image image = render_points(field, camera, look, {}, square_options(), 1).image;
+  const Image image = paint_points(field, camera, look, {}, square_options(), 1).image;
   const double right =
       (camera.focal_point - camera.position).cross(camera.view_up).x() > 0 ? 1 : -1;
   const auto at = [&](double x) {
@@ -129,7 +129,7 @@ TEST(RenderPoints, NoneIsTooSmallToBeSeen) {
   std::vector<Point> points;
   for (int i = 0; i < 20; ++i) points.push_back({{0.5 * i - 5, 0.237 * i - 2, 0}, 1e-4F, 10});
   const Image image =
-      render_points(field_of(points), from_above(), plain_gray(), {}, square_options(), 1).image;
+      paint_points(field_of(points), from_above(), plain_gray(), {}, square_options(), 1).image;
   const double area = std::numbers::pi * 0.6 * 0.6;
   EXPECT_NEAR(covered_by(image), 20 * area, 0.25 * 20 * area);
 }
@@ -140,7 +140,7 @@ TEST(RenderPoints, NoneIsLargerThanTheMedianOne) {
   for (std::size_t i = 0; i < points.size(); ++i) points[i].place.x() = static_cast<double>(i) - 4;
   const auto draw = [&] {
     return covered_by(
-        render_points(field_of(points), from_above(), plain_gray(), {}, square_options(), 1).image);
+        paint_points(field_of(points), from_above(), plain_gray(), {}, square_options(), 1).image);
   };
   const double even = draw();
   points.push_back({{0, 4, 0}, 30, 0});
@@ -150,7 +150,7 @@ TEST(RenderPoints, NoneIsLargerThanTheMedianOne) {
 TEST(RenderPoints, SizeAndClipPlanes) {
   const KernelField field = field_of({{{-3, 0, 0}, 2, 0}, {{3, 0, 0}, 2, 0}});
   const auto draw = [&](const PointStyle& style, const RenderOptions& options) {
-    return covered_by(render_points(field, from_above(), plain_gray(), style, options, 1).image);
+    return covered_by(paint_points(field, from_above(), plain_gray(), style, options, 1).image);
   };
   const double one = std::numbers::pi * 64;  // pixels of a ball of radius 1
   EXPECT_NEAR(draw({1}, square_options()), 2 * one, 0.03 * one);
@@ -170,7 +170,7 @@ TEST(RenderPoints, OfSumsTheValueIsTheSums) {
   ASSERT_GT(sum, 1.3);
   Look look = test::gray_look(0, 2 * sum);
   look.material = {1, 0, 0, 1};
-  const Image image = render_points(field, from_above(), look, {}, square_options(), 1).image;
+  const Image image = paint_points(field, from_above(), look, {}, square_options(), 1).image;
   EXPECT_NEAR(pixel(image, kSquare / 2 + 4, kSquare / 2 + 4).r(), 0.5, 0.1);
 }
 
@@ -182,8 +182,8 @@ TEST(RenderPoints, TheSameWhateverTheThreads) {
                       static_cast<float>(i % 20 - 10)});
   const KernelField field = field_of(points);
   const auto draw = [&](int threads) {
-    return render_points(field, perspective_camera({0, 0, 0}, {0.2, 0.3, -1}, 6, 20),
-                         test::gray_look(-10, 10), {}, square_options(), threads)
+    return paint_points(field, perspective_camera({0, 0, 0}, {0.2, 0.3, -1}, 6, 20),
+                        test::gray_look(-10, 10), {}, square_options(), threads)
         .image;
   };
   EXPECT_EQ(draw(1), draw(3));
@@ -192,19 +192,19 @@ TEST(RenderPoints, TheSameWhateverTheThreads) {
 TEST(RenderPoints, RefusesAndStops) {
   const KernelField field = field_of({{{0, 0, 0}, 1, 0}});
   for (const double size : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})
-    EXPECT_THROW(render_points(field, from_above(), plain_gray(), {size}, square_options()), Error);
-  EXPECT_THROW(render_points(KernelField(), from_above(), plain_gray()), Error);
+    EXPECT_THROW(paint_points(field, from_above(), plain_gray(), {size}, square_options()), Error);
+  EXPECT_THROW(paint_points(KernelField(), from_above(), plain_gray()), Error);
   std::stop_source stop;
   stop.request_stop();
   RenderHooks hooks;
   hooks.stop = stop.get_token();
-  EXPECT_THROW(render_points(field, from_above(), plain_gray(), {}, square_options(), 1, hooks),
+  EXPECT_THROW(paint_points(field, from_above(), plain_gray(), {}, square_options(), 1, hooks),
                Error);
   // The eye among them, and balls behind it: nothing, and no trouble.
   Camera inside = perspective_camera({0, 0, 0}, {0, 0, -1}, 6, 0.1);
-  EXPECT_EQ(covered_by(render_points(field, inside, plain_gray(), {}, square_options(), 1).image),
+  EXPECT_EQ(covered_by(paint_points(field, inside, plain_gray(), {}, square_options(), 1).image),
             0);
 }
 
-}  // namespace render_points_test
+}  // namespace point_frame_test
 }  // namespace ovoid

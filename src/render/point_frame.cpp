@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // In: a kernel set, camera and look. Out: a picture of balls. Each tile finds the nearest ball at
 // four places of each pixel, then lights what it has found.
-#include "ovoid/render_points.h"
+#include "render/point_frame.h"
 
 #include <fmt/format.h>
 
@@ -306,9 +306,9 @@ class BallPainter {
 
 }  // namespace
 
-Frame render_points(const KernelField& field, const Camera& camera, const Look& look,
-                    const PointStyle& style, const RenderOptions& options, int threads,
-                    const RenderHooks& hooks) try {
+Frame paint_points(const KernelField& field, const Camera& camera, const Look& look,
+                   const PointStyle& style, const RenderOptions& options, int threads,
+                   const RenderHooks& hooks) try {
   if (field.is_empty()) throw Error(ErrorCode::kInvalidArgument, "field: is empty");
   camera.validate();
   look.validate();

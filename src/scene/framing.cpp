@@ -307,52 +307,6 @@ Camera fitted(Camera camera, const std::vector<Region>& regions, const Framing& 
   return camera;
 }
 
-}  // namespace
-
-Camera first_camera(const Field& field, const Bounds3& bounds, Space space, double aspect) {
-  data::require_field(field);
-  const LatticeField* const lattice = field.lattice();
-  const bool has_spacing =
-      lattice == nullptr || lattice->geometry().spacing() != Vec3(Vec3::Constant(1.0));
-  if (space != Space::kNone && has_spacing)
-    return default_camera(bounds, space, "anterior", aspect);
-  const Vec3 sides = bounds.sizes();
-  Eigen::Index flat = 0;
-  const double least = sides.minCoeff(&flat);
-  const double next = std::min(sides[(flat + 1) % 3], sides[(flat + 2) % 3]);
-  std::string view = sides.x() >= sides.y() ? "three-quarter" : "three-quarter-side";
-  if (least < kFlatBox * next) view = flat == 0 ? "+x" : flat == 1 ? "-y" : "+z";
-  return default_camera(bounds, space, view, aspect);
-}
-
-Camera framed(Camera camera, const Field& field, const Look& look, const Framing& framing) {
-  data::require_field(field);
-  camera.validate();
-  validate(framing);
-  const CameraAxes axes = axes_of(camera);
-  const Vec3 middle = field.world_bounds().center();
-  RegionList list(axes, middle);
-  view::for_visible_points(field, look, framing.clip_planes,
-                           [&](const view::VisiblePoint& point) { list.add(point); });
-  if (framing.further != nullptr) {
-    for (const FurtherVolume& volume : *framing.further) {
-      view::for_visible_points(volume.field, volume.look, framing.clip_planes,
-                               [&](const view::VisiblePoint& point) { list.add(point); });
-    }
-  }
-  std::vector<Region> regions = regions_seen(list.take(), 0);
-  if (framing.trail != nullptr) {
-    RegionList of_trail(axes, middle);
-    add_trail(*framing.trail, look, framing.clip_planes, &of_trail);
-    const std::vector<Region> trail = regions_seen(of_trail.take(), kUnseen);
-    regions.insert(regions.end(), trail.begin(), trail.end());
-  }
-  if (regions.empty()) return camera;
-  return fitted(std::move(camera), regions, framing, axes, middle);
-}
-
-namespace {
-
 // Where clip planes cut the sides of triangles, in what they keep.
 template <class Add>
 void add_cuts(const Surface& surface, const std::vector<ClipPlane>& planes, const Add& add) {
@@ -377,21 +331,90 @@ void add_cuts(const Surface& surface, const std::vector<ClipPlane>& planes, cons
   }
 }
 
+// Places have no size; a thousandth of the whole keeps a single one from being infinitely near.
+void add_surface(const Surface& surface, const std::vector<ClipPlane>& planes, RegionList* list) {
+  const Mat3 speck = Mat3::Identity() * std::max(1e-3 * surface.bounds.diagonal().norm(), 1e-30);
+  for (const Vec3& place : surface.places) {
+    if (view::is_kept(place, planes)) list->add({place, 1, speck});
+  }
+  add_cuts(surface, planes, [&](const Vec3& place) { list->add({place, 1, speck}); });
+}
+
+bool shows_nothing(const Look& look) {
+  const std::vector<OpacityPoint>& opacities = look.transfer_function.opacities;
+  return look.mode == Mode::kComposite && !look.transfer_function_2d && !opacities.empty() &&
+         std::all_of(opacities.begin(), opacities.end(),
+                     [](const OpacityPoint& point) { return point.opacity == 0; });
+}
+
+// What of the first volume is to fill the picture, by value.
+Look framed_look(const Scene& scene) {
+  const Volume& volume = scene.volumes.front();
+  Look look = volume.look;
+  const bool is_by_slices = !scene.slices.empty() && shows_nothing(look);
+  if (!volume.points && !is_by_slices) return look;
+  look.transfer_function.opacities.clear();
+  if (is_by_slices) look.transfer_function.opacities = scene.slices.front().colors.opacities;
+  look.transfer_function.gradient_opacities.clear();
+  return look;
+}
+
 }  // namespace
 
-Camera framed(Camera camera, const Surface& surface, const Framing& framing) {
+Camera first_camera(const Field& field, const Bounds3& bounds, Space space, double aspect) {
+  data::require_field(field);
+  const LatticeField* const lattice = field.lattice();
+  const bool has_spacing =
+      lattice == nullptr || lattice->geometry().spacing() != Vec3(Vec3::Constant(1.0));
+  if (space != Space::kNone && has_spacing)
+    return default_camera(bounds, space, "anterior", aspect);
+  const Vec3 sides = bounds.sizes();
+  Eigen::Index flat = 0;
+  const double least = sides.minCoeff(&flat);
+  const double next = std::min(sides[(flat + 1) % 3], sides[(flat + 2) % 3]);
+  std::string view = sides.x() >= sides.y() ? "three-quarter" : "three-quarter-side";
+  if (least < kFlatBox * next) view = flat == 0 ? "+x" : flat == 1 ? "-y" : "+z";
+  return default_camera(bounds, space, view, aspect);
+}
+
+Camera framed(Camera camera, const Scene& scene, const Framing& framing) {
+  scene.validate();
   camera.validate();
   validate(framing);
   const CameraAxes axes = axes_of(camera);
-  const Vec3 middle = surface.bounds.center();
-  // A place has no size; a thousandth of the whole keeps a single one from being infinitely near.
-  const Mat3 speck = Mat3::Identity() * std::max(1e-3 * surface.bounds.diagonal().norm(), 1e-30);
-  RegionList list(axes, middle);
-  for (const Vec3& place : surface.places) {
-    if (view::is_kept(place, framing.clip_planes)) list.add({place, 1, speck});
+  const std::vector<ClipPlane>& planes = framing.clip_planes;
+  if (scene.volumes.empty()) {
+    Bounds3 bounds;
+    for (const Geometry& one : scene.surfaces) bounds.extend(one.surface->bounds);
+    if (bounds.isEmpty()) return camera;
+    RegionList list(axes, bounds.center());
+    for (const Geometry& one : scene.surfaces) add_surface(*one.surface, {}, &list);
+    return fitted(std::move(camera), list.take(), framing, axes, bounds.center());
   }
-  add_cuts(surface, framing.clip_planes, [&](const Vec3& place) { list.add({place, 1, speck}); });
-  const std::vector<Region> regions = list.take();
+  const Volume& first = scene.volumes.front();
+  if (first.boundary != nullptr && first.walls.opacity > 0 && first.trail == nullptr) {
+    const Vec3 middle = first.boundary->bounds.center();
+    RegionList list(axes, middle);
+    add_surface(*first.boundary, planes, &list);
+    const std::vector<Region> regions = list.take();
+    return regions.empty() ? camera : fitted(std::move(camera), regions, framing, axes, middle);
+  }
+  const Vec3 middle = first.field.world_bounds().center();
+  const auto in_list = [](RegionList* list) {
+    return [list](const view::VisiblePoint& point) { list->add(point); };
+  };
+  RegionList list(axes, middle);
+  view::for_visible_points(first.field, framed_look(scene), planes, in_list(&list));
+  for (std::size_t i = 1; i < scene.volumes.size(); ++i) {
+    view::for_visible_points(scene.volumes[i].field, scene.volumes[i].look, planes, in_list(&list));
+  }
+  std::vector<Region> regions = regions_seen(list.take(), 0);
+  if (first.trail != nullptr) {
+    RegionList of_trail(axes, middle);
+    add_trail(*first.trail, first.look, planes, &of_trail);
+    const std::vector<Region> trail = regions_seen(of_trail.take(), kUnseen);
+    regions.insert(regions.end(), trail.begin(), trail.end());
+  }
   if (regions.empty()) return camera;
   return fitted(std::move(camera), regions, framing, axes, middle);
 }

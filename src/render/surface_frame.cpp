@@ -2,7 +2,7 @@
 // In: a surface, camera and look. Out: a picture. Each tile's fragments are shaded where they can
 // be seen, and composited at four places of each pixel by themselves, so that triangles which share
 // a side leave no seam.
-#include "ovoid/render_surface.h"
+#include "render/surface_frame.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,6 @@
 
 #include "data/parallel.h"
 #include "ovoid/error.h"
-#include "render/paint_surface.h"
 #include "render/picture_tiles.h"
 #include "render/surface_raster.h"
 #include "render/surface_shader.h"
@@ -133,12 +132,6 @@ class SurfacePainter {
 };
 
 }  // namespace
-
-Frame render_surface(const Surface& surface, const Camera& camera, const Look& look,
-                     const SurfaceStyle& style, const RenderOptions& options, int threads,
-                     const RenderHooks& hooks) {
-  return paint_surface(surface, camera, look, style, options, threads, hooks, {});
-}
 
 Frame paint_surface(const Surface& surface, const Camera& camera, const Look& look,
                     const SurfaceStyle& style, const RenderOptions& options, int threads,

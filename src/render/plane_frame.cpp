@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // In: what render() takes, and a plane. Out: up to three parts, each by the renderer, put together
 // front to back: the half in front, the plane's values, the half behind.
-#include "ovoid/value_plane.h"
+#include "render/plane_frame.h"
 
 #include <fmt/format.h>
 
@@ -210,9 +210,11 @@ class PlaneFrame {
 
 }  // namespace
 
-Frame render_with_plane(Renderer& renderer, const Field& field, const Camera& camera,
-                        const Look& look, const ValuePlane& plane,
-                        const RenderOptions& asked_options, const RenderHooks& hooks) {
+Frame draw_with_plane(FieldRenderer& renderer, const DrawnFields& fields, const ValuePlane& plane,
+                      const Camera& camera, const RenderOptions& asked_options,
+                      const RenderHooks& hooks) {
+  const Field& field = fields.field;
+  const Look& look = fields.look;
   require_valid(field, camera, look, plane, asked_options);
   // The plane's values are of pixels; what lies on either side is, too.
   RenderOptions options = asked_options;
@@ -228,14 +230,13 @@ Frame render_with_plane(Renderer& renderer, const Field& field, const Camera& ca
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   };
   const PlaneView view(field, camera, plane, options);
-  if (!view.is_met()) return renderer.render(field, camera, look, asked_options, hooks);
+  if (!view.is_met()) return renderer.draw(fields, camera, asked_options, hooks);
   const bool is_shown = plane.front == PlaneFront::kShown;
   const RenderOptions behind = with_clip(options, view.behind());
   const std::vector<Vec3> footprint = view.footprint();
   if (footprint.size() < 3) {
-    return renderer.render(field, camera, look,
-                           is_shown ? asked_options : with_clip(asked_options, view.behind()),
-                           hooks);
+    return renderer.draw(fields, camera,
+                         is_shown ? asked_options : with_clip(asked_options, view.behind()), hooks);
   }
 
   constexpr double kShareOfValues = 0.1;
@@ -248,8 +249,8 @@ Frame render_with_plane(Renderer& renderer, const Field& field, const Camera& ca
   PlaneFrame frame(view, options);
   if (is_shown) {
     require_running(hooks);
-    Frame front = renderer.render(field, camera, look, with_clip(options, view.front()),
-                                  hooks_of_part(hooks, done, share));
+    Frame front = renderer.draw(fields, camera, with_clip(options, view.front()),
+                                hooks_of_part(hooks, done, share));
     done += share;
     add_profile(out.profile, front.profile);
     frame.set_front(std::move(front.image));
@@ -260,8 +261,8 @@ Frame render_with_plane(Renderer& renderer, const Field& field, const Camera& ca
   if (options.collect_profile) add_stage(out.profile, "plane", elapsed_ms() - parts_ms);
   if (frame.takes_rest()) {
     require_running(hooks);
-    const Frame rest = renderer.render(field, camera, look, is_shown ? options : behind,
-                                       hooks_of_part(hooks, done, 1 - done));
+    const Frame rest = renderer.draw(fields, camera, is_shown ? options : behind,
+                                     hooks_of_part(hooks, done, 1 - done));
     add_profile(out.profile, rest.profile);
     frame.add_rest(rest.image);
   } else if (hooks.progress) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ovoid/render_surface.h"
+#include "render/surface_frame.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "support/scenes.h"
 
 namespace ovoid {
-namespace render_surface_test {
+namespace surface_frame_test {
 
 using test::parallel_camera;
 using test::perspective_camera;
@@ -58,7 +58,7 @@ TEST(RenderSurface, ShowsValuesAndDepthsExactly) {
   for (const bool is_parallel : {true, false}) {
     const Camera camera = is_parallel ? parallel_camera({0, 0, 0}, {0, 0, -1}, 8, 20)
                                       : perspective_camera({0, 0, 0}, {0, 0, -1}, 8, 20);
-    const Image image = render_surface(surface, camera, gray(), {}, options_of()).image;
+    const Image image = paint_surface(surface, camera, gray(), {}, options_of()).image;
     for (int y = 20; y < 44; ++y) {
       for (int x = 18; x < 46; ++x) {
         // Right is +x or -x, as the camera's up says; the value is that of the place.
@@ -89,8 +89,8 @@ TEST(RenderSurface, OutlinesAreSmoothAndWithinHalfAPixel) {
     place = Vec3(std::cos(turn) * place.x() - std::sin(turn) * place.y(),
                  std::sin(turn) * place.x() + std::cos(turn) * place.y(), 0);
   }
-  const Image image = render_surface(surface, parallel_camera({0, 0, 0}, {0, 0, -1}, 8, 20), gray(),
-                                     {}, options_of())
+  const Image image = paint_surface(surface, parallel_camera({0, 0, 0}, {0, 0, -1}, 8, 20), gray(),
+                                    {}, options_of())
                           .image;
   double covered = 0;
   int num_partly = 0;
@@ -106,8 +106,8 @@ TEST(RenderSurface, OutlinesAreSmoothAndWithinHalfAPixel) {
 // Fails if the diagonal is drawn twice, or left out.
 TEST(RenderSurface, SharedSidesLeaveNoSeam) {
   for (const double opacity : {1.0, 0.5}) {
-    const Image image = render_surface(square(), parallel_camera({0, 0, 0}, {0, 0, -1}, 4, 20),
-                                       gray(), {.opacity = opacity}, options_of())
+    const Image image = paint_surface(square(), parallel_camera({0, 0, 0}, {0, 0, -1}, 4, 20),
+                                      gray(), {.opacity = opacity}, options_of())
                             .image;
     for (int y = 1; y < kSide - 1; ++y)
       for (int x = 1; x < kSide - 1; ++x) ASSERT_NEAR(pixel(image, x, y).a(), opacity, 1e-6);
@@ -126,14 +126,14 @@ TEST(RenderSurface, LayersAreSeenFrontToBack) {
   // From +z: 5, 0, -3, which are gray 0.75, 0.5 and 0.35.
   const Camera camera = parallel_camera({0, 0, 0}, {0, 0, -1}, 8, 20);
   const double a = 0.4;
-  const Image image = render_surface(surface, camera, gray(), {.opacity = a}, options_of()).image;
+  const Image image = paint_surface(surface, camera, gray(), {.opacity = a}, options_of()).image;
   const test::Pixel at = pixel(image, 32, 32);
   const double rest = 1 - a;
   EXPECT_NEAR(at.r(), a * (0.75 + rest * 0.5 + rest * rest * 0.35), 1e-5);
   EXPECT_NEAR(at.a(), 1 - rest * rest * rest, 1e-6);
   EXPECT_NEAR(test::depth(image, 32, 32), 20, 1e-5);  // where opacity reaches a half
   EXPECT_NEAR(test::center_front_depth(image), 15, 1e-5);
-  const Image opaque = render_surface(surface, camera, gray(), {}, options_of()).image;
+  const Image opaque = paint_surface(surface, camera, gray(), {}, options_of()).image;
   EXPECT_NEAR(pixel(opaque, 32, 32).r(), 0.75, 1e-5);
 }
 
@@ -156,7 +156,7 @@ TEST(RenderSurface, IsLitAsVolumesAre) {
       if (sign < 0) std::swap(triangle.corners[1], triangle.corners[2]);
     }
     const test::Pixel at =
-        pixel(render_surface(surface, camera, look, {}, options_of()).image, 32, 32);
+        pixel(paint_surface(surface, camera, look, {}, options_of()).image, 32, 32);
     EXPECT_NEAR(at.r(), 0.5 * (0.1 + 0.6 * diffuse) + 0.3 * std::pow(n_h, 4), 1e-4);
   }
 }
@@ -173,7 +173,7 @@ TEST(RenderSurface, TakesFurtherLights) {
     triangle.values.fill(0);
   }
   const auto shown = [&] {
-    return pixel(render_surface(surface, camera, look, {}, options_of()).image, 32, 32).r();
+    return pixel(paint_surface(surface, camera, look, {}, options_of()).image, 32, 32).r();
   };
   double expected = 0.5 * (0.1 + 0.3) + 0.2;
   EXPECT_NEAR(shown(), expected, 1e-4);
@@ -188,7 +188,7 @@ TEST(RenderSurface, ClipPlanesCutIt) {
   RenderOptions options = options_of();
   options.clip_planes = {{Vec3(1, 0, 0), 1}};
   const Camera camera = parallel_camera({0, 0, 0}, {0, 0, -1}, 8, 20);
-  const Image image = render_surface(square(), camera, gray(), {}, options).image;
+  const Image image = paint_surface(square(), camera, gray(), {}, options).image;
   double covered = 0;
   for (std::size_t i = 3; i < image.rgba.size(); i += 4) covered += image.rgba[i];
   EXPECT_NEAR(covered * 0.25 * 0.25, 3 * 8, 0.05 * 24);
@@ -201,7 +201,7 @@ TEST(RenderSurface, TrianglesMayReachBehindTheEye) {
   camera.position = {0, 0, 0};
   camera.focal_point = {1, 0, 0};
   camera.view_up = {0, 0, 1};
-  const Image image = render_surface(surface, camera, gray(), {}, options_of()).image;
+  const Image image = paint_surface(surface, camera, gray(), {}, options_of()).image;
   EXPECT_EQ(pixel(image, 32, 10).a(), 0);
   for (int x = 0; x < kSide; ++x) EXPECT_EQ(pixel(image, x, 60).a(), 1) << x;
   // Down 28.5 of 32 pixels of tangent tan(15 degrees): depth 1 / that.
@@ -212,8 +212,8 @@ TEST(RenderSurface, TrianglesMayReachBehindTheEye) {
 TEST(RenderSurface, MissingValuesAreHoles) {
   Surface surface = square();
   surface.triangles[0].values[1] = std::numeric_limits<float>::quiet_NaN();
-  const Image image = render_surface(surface, parallel_camera({0, 0, 0}, {0, 0, -1}, 4, 20), gray(),
-                                     {}, options_of())
+  const Image image = paint_surface(surface, parallel_camera({0, 0, 0}, {0, 0, -1}, 4, 20), gray(),
+                                    {}, options_of())
                           .image;
   double covered = 0;
   for (std::size_t i = 3; i < image.rgba.size(); i += 4) covered += image.rgba[i];
@@ -223,7 +223,7 @@ TEST(RenderSurface, MissingValuesAreHoles) {
 TEST(RenderSurface, EdgesAreDarkLinesOfFaces) {
   const Camera camera = parallel_camera({0, 0, 0}, {0, 0, -1}, 5, 20);
   const auto draw = [&](bool shows_edges) {
-    return render_surface(square(3.75), camera, gray(), {.shows_edges = shows_edges}, options_of())
+    return paint_surface(square(3.75), camera, gray(), {.shows_edges = shows_edges}, options_of())
         .image;
   };
   const Image plain = draw(false);
@@ -243,7 +243,7 @@ TEST(RenderSurface, TheSameWhateverTheThreads) {
   for (int i = 0; i < 20; ++i) add_square(surface, 4 - 0.1 * i, 0.3 * i);
   const Camera camera = perspective_camera({0, 0, 0}, Vec3(0.3, 0.2, -1), 8, 20);
   const auto draw = [&](int threads) {
-    return render_surface(surface, camera, gray(), {.opacity = 0.3}, options_of(200, 90), threads)
+    return paint_surface(surface, camera, gray(), {.opacity = 0.3}, options_of(200, 90), threads)
         .image;
   };
   EXPECT_EQ(draw(1), draw(3));
@@ -252,18 +252,18 @@ TEST(RenderSurface, TheSameWhateverTheThreads) {
 TEST(RenderSurface, RefusesAndStops) {
   const Camera camera = parallel_camera({0, 0, 0}, {0, 0, -1}, 8, 20);
   for (const double opacity : {0.0, -1.0, 1.5, std::nan("")}) {
-    EXPECT_THROW(render_surface(square(), camera, gray(), {.opacity = opacity}, options_of()),
+    EXPECT_THROW(paint_surface(square(), camera, gray(), {.opacity = opacity}, options_of()),
                  Error);
   }
   std::stop_source stop;
   stop.request_stop();
   RenderHooks hooks;
   hooks.stop = stop.get_token();
-  EXPECT_THROW(render_surface(square(), camera, gray(), {}, options_of(), 1, hooks), Error);
+  EXPECT_THROW(paint_surface(square(), camera, gray(), {}, options_of(), 1, hooks), Error);
   // Nothing at all is an empty picture.
-  const Image image = render_surface(Surface(), camera, gray(), {}, options_of()).image;
+  const Image image = paint_surface(Surface(), camera, gray(), {}, options_of()).image;
   EXPECT_EQ(pixel(image, 32, 32).a(), 0);
 }
 
-}  // namespace render_surface_test
+}  // namespace surface_frame_test
 }  // namespace ovoid

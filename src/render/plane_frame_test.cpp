@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ovoid/value_plane.h"
+#include "render/plane_frame.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "ovoid/error.h"
-#include "render/test_value_plane.h"
+#include "render/test_plane_frame.h"
 #include "support/compare.h"
 #include "support/numbers.h"
 
@@ -357,10 +357,10 @@ TEST(ValuePlane, ReferenceAgrees) {
   scene.options = picture(36, 30);
   for (const Camera& camera : {cameras()[0], cameras()[1]}) {
     scene.camera = camera;
+    Scene with_plane(scene.field, scene.look);
+    with_plane.plane = scene.plane;
     Renderer reference(Backend::kReference, 2);
-    const Image expected = render_with_plane(reference, scene.field, scene.camera, scene.look,
-                                             scene.plane, scene.options)
-                               .image;
+    const Image expected = reference.render(with_plane, scene.camera, scene.options).image;
     EXPECT_TRUE(agree(draw(scene).image, expected, "value_plane"));
   }
 }

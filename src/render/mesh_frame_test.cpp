@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ovoid/render_mesh.h"
+#include "render/mesh_frame.h"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +8,23 @@
 
 #include "model/test_datasets.h"
 #include "ovoid/error.h"
-#include "render/paint_surface.h"
+#include "render/boundary_limits.h"
 #include "render/solid_lattice.h"
+#include "render/surface_frame.h"
 #include "support/scenes.h"
 
 namespace ovoid {
-namespace render_mesh_test {
+namespace mesh_frame_test {
+
+// `surface` outlives the call.
+Frame render_mesh(Renderer& renderer, const Field& field, const Surface& surface,
+                  const Camera& camera, const Look& look, const SurfaceStyle& walls = {},
+                  const RenderOptions& options = {}, const RenderHooks& hooks = {}) {
+  Scene scene(field, look);
+  scene.volumes.front().boundary = {std::shared_ptr<const void>(), &surface};
+  scene.volumes.front().walls = walls;
+  return renderer.render(scene, camera, options, hooks);
+}
 
 using model::mesh_dataset;
 using test::parallel_camera;
@@ -211,7 +222,7 @@ TEST(BoundaryLimits, WallsHaveNoSeamsAndTheSurfacesColours) {
   const Camera camera = parallel_camera({0, 0, 0}, Vec3(0.4, 0.3, 1), 8, 25);
   const DepthLimits limits = limits_of(*surface, camera, 0.3);
   const Image whole =
-      render_surface(*surface, camera, test::gray_look(-10, 10), {}, small_options()).image;
+      paint_surface(*surface, camera, test::gray_look(-10, 10), {}, small_options()).image;
   int num_whole = 0;
   for (int y = 0; y < kPixels; ++y) {
     for (int x = 0; x < kPixels; ++x) {
@@ -284,7 +295,7 @@ TEST(BoundaryLimits, CellsInsideOutAndAnyNumberOfThreads) {
 }
 
 // Of cells, too, whose kernels stand half a cell from the faces: nothing is missing at a corner.
-TEST(RenderMesh, FieldsOfCellsAreWholeUpToTheCorners) {
+TEST(MeshFrame, FieldsOfCellsAreWholeUpToTheCorners) {
   Dataset mesh = box_mesh({-3, -3, -3}, {3, 3, 3}, 4);
   mesh.arrays = {model::array_of_numbers("c", 1, std::vector<float>(4 * 4 * 4, 3.0F))};
   mesh.arrays[0].is_cell_data = true;
@@ -303,7 +314,7 @@ TEST(RenderMesh, FieldsOfCellsAreWholeUpToTheCorners) {
 
 // What is opaque covers what the mesh covers. Of a value per cell the tips of corners are missing,
 // where an eighth of all kernels, less than kLeastWeight, is near: less than a pixel each.
-TEST(RenderMesh, CornersAreNotRounded) {
+TEST(MeshFrame, CornersAreNotRounded) {
   for (const bool is_cell_data : {false, true}) {
     Dataset mesh = box_mesh({-3, -3, -3}, {3, 3, 3}, 4);
     const std::size_t num = is_cell_data ? 64 : 125;
@@ -325,7 +336,7 @@ TEST(RenderMesh, CornersAreNotRounded) {
 }
 
 // Light goes through a box as through so much of its matter, right up to its faces: by Beer's law.
-TEST(RenderMesh, ThePictureEndsWhereTheMeshEnds) {
+TEST(MeshFrame, ThePictureEndsWhereTheMeshEnds) {
   Dataset mesh = box_mesh({-3, -2, -1}, {3, 2, 4}, 6);
   mesh.arrays[0] = model::array_of_numbers("v", 1, std::vector<float>(7 * 7 * 7, 3.0F));
   const auto surface = make_surface(mesh);
@@ -348,7 +359,7 @@ TEST(RenderMesh, ThePictureEndsWhereTheMeshEnds) {
 }
 
 // A lid shows the field on the cut, and closes it.
-TEST(RenderMesh, CutsHaveLids) {
+TEST(MeshFrame, CutsHaveLids) {
   const Dataset mesh = box_mesh({-3, -3, -3}, {3, 3, 3}, 12);
   const auto surface = make_surface(mesh);
   const KernelField field = make_kernel_field(mesh);
@@ -401,7 +412,7 @@ TEST(SolidLattice, HoldsTheVolumeOfTheMesh) {
 }
 
 // A floor is darkest in the corner beneath a roof; in the open it is as light as without occlusion.
-TEST(RenderMesh, OpaqueSurfacesTakeOcclusion) {
+TEST(MeshFrame, OpaqueSurfacesTakeOcclusion) {
   const Dataset mesh = mesh_of(
       {{{-6, -4, 0}, {6, 4, 1}, 8}, {{-6, -4, 1}, {-5, 4, 4}, 6}, {{-6, -4, 3}, {0, 4, 4}, 6}});
   const auto surface = make_surface(mesh);
@@ -436,7 +447,7 @@ TEST(RenderMesh, OpaqueSurfacesTakeOcclusion) {
 }
 
 // See-through walls are lit by what arrives; what they hide stays.
-TEST(RenderMesh, SeeThroughWallsTakeOcclusion) {
+TEST(MeshFrame, SeeThroughWallsTakeOcclusion) {
   const Dataset mesh = box_mesh({-3, -3, -3}, {3, 3, 3});
   const auto surface = make_surface(mesh);
   Look look = test::gray_look(-1e6, 1e6);
@@ -448,7 +459,7 @@ TEST(RenderMesh, SeeThroughWallsTakeOcclusion) {
   const Camera camera = parallel_camera({0, 0, 0}, Vec3(-1, 0.3, -0.4), 6, 30);
   const DepthLimits open = boundary_limits(*surface, camera, look, {0.5}, small_options());
   const DepthLimits dim =
-      boundary_limits_in_light(*surface, camera, look, {0.5}, small_options(), 1, {}, &half);
+      boundary_limits(*surface, camera, look, {0.5}, small_options(), 1, {}, &half);
   ASSERT_EQ(open.stops.size(), dim.stops.size());
   int num_walls = 0;
   for (std::size_t i = 0; i < open.stops.size(); ++i) {
@@ -460,7 +471,7 @@ TEST(RenderMesh, SeeThroughWallsTakeOcclusion) {
 }
 
 // What arrives is what the field within lets through.
-TEST(RenderMesh, SeeThroughWallsAreDarkBeneathARoof) {
+TEST(MeshFrame, SeeThroughWallsAreDarkBeneathARoof) {
   const Dataset mesh = mesh_of(
       {{{-6, -4, 0}, {6, 4, 1}, 8}, {{-6, -4, 1}, {-5, 4, 4}, 6}, {{-6, -4, 3}, {0, 4, 4}, 6}});
   const auto surface = make_surface(mesh);
@@ -494,7 +505,7 @@ TEST(RenderMesh, SeeThroughWallsAreDarkBeneathARoof) {
 }
 
 // Where nothing is known of a boundary the field is drawn as ever.
-TEST(RenderMesh, WithoutABoundaryTheFieldIsWhole) {
+TEST(MeshFrame, WithoutABoundaryTheFieldIsWhole) {
   const Dataset mesh = box_mesh({-3, -3, -3}, {3, 3, 3});
   Surface surface = *make_surface(mesh);
   surface.leaves_out_cells = true;
@@ -503,10 +514,10 @@ TEST(RenderMesh, WithoutABoundaryTheFieldIsWhole) {
   Renderer renderer(Backend::kCpu, 1);
   EXPECT_EQ(
       render_mesh(renderer, field, surface, from_below(), look, {0, false}, small_options()).image,
-      renderer.render(field, from_below(), look, small_options()).image);
+      renderer.render({field, look}, from_below(), small_options()).image);
 }
 
-TEST(RenderMesh, RefusesAndStops) {
+TEST(MeshFrame, RefusesAndStops) {
   const Dataset mesh = box_mesh({-3, -3, -3}, {3, 3, 3});
   const auto surface = make_surface(mesh);
   const KernelField field = make_kernel_field(mesh);
@@ -528,5 +539,5 @@ TEST(RenderMesh, RefusesAndStops) {
   }
 }
 
-}  // namespace render_mesh_test
+}  // namespace mesh_frame_test
 }  // namespace ovoid

@@ -292,10 +292,8 @@ AllFrames make_scene(const Series& series, const Chosen& chosen, const Flags& fl
   note_on_marks(drawing.annotation, volume.look, session);
   if (field.kernels() != nullptr && series.num_steps() > 1) {
     // Else every step would have its own.
-    if (drawing.options.sampling_distance == 0)
-      drawing.options.sampling_distance = field.default_sampling_distance();
-    if (volume.look.unit_distance == 0 && !volume.look.transfer_function.unit_distance)
-      volume.look.unit_distance = default_unit_distance(field);
+    drawing.options.sampling_distance = sheet_distance(field, volume.look, drawing.options);
+    volume.look.unit_distance = unit_distance_of(volume.look, field);
   }
   volume.walls = surface_to_draw(subject, drawing);
   if (subject.has_points) volume.points = points_to_draw(drawing.points);

@@ -361,8 +361,7 @@ std::shared_ptr<PictureJob> Document::job_of_fit(Size size) const {
   volume.points = of_view.points;
   for (Volume& further : volumes_of(view)) scene.volumes.push_back(std::move(further));
   // Opacities mean what they mean in the data's picture.
-  if (volume.look.unit_distance == 0 && !volume.look.transfer_function.unit_distance)
-    volume.look.unit_distance = default_unit_distance(shown->field());
+  volume.look.unit_distance = unit_distance_of(volume.look, shown->field());
   return made;
 }
 

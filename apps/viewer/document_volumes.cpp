@@ -116,8 +116,7 @@ Look Document::volume_look(const View& of, const AddedVolume& volume) const {
   look.mode = of.look.mode;
   look.transfer_function = volume.curves;
   look.unit_distance = volume.unit_distance;
-  if (look.unit_distance == 0 && !look.transfer_function.unit_distance)
-    look.unit_distance = default_unit_distance(volume.of->volume.field);
+  look.unit_distance = unit_distance_of(look, volume.of->volume.field);
   return look;
 }
 

@@ -480,8 +480,7 @@ void look_panel(Panel& panel) {
     is_changed |= look.transfer_function_2d ? regions_editor(panel) : curve_editors(panel);
   }
   const Field& field = document.shown->field();
-  double unit = look.unit_distance;
-  if (unit == 0) unit = look.transfer_function.unit_distance.value_or(default_unit_distance(field));
+  double unit = unit_distance_of(look, field);
   if (widgets.number("look.unit-distance", "unit distance", &unit,
                      {.lo = 1e-300, .hi = 1e300, .speed = unit / 100, .is_logarithmic = true})) {
     look.unit_distance = unit;

@@ -66,8 +66,7 @@ Coarse at_level(const PictureJob& job, const Level& level) {
   volume.field = job.extras->coarser[static_cast<std::size_t>(field - 1)];
   coarse.options.sampling_distance *= std::exp2(field);
   // Opacities mean what they mean at the full picture.
-  if (volume.look.unit_distance == 0 && !volume.look.transfer_function.unit_distance)
-    volume.look.unit_distance = default_unit_distance(job.field());
+  volume.look.unit_distance = unit_distance_of(volume.look, job.field());
   return coarse;
 }
 

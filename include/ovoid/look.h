@@ -100,8 +100,7 @@ struct Look : Lighting {
   // function's span, light fades to that of a flat region: there normals are noise. In [0, 1].
   // (An isosurface, which is asked for, is lit from 1e-4 of the field's range on.)
   double flat_rise = 1e-4;
-  double unit_distance = 0.0;  // world length of the opacities; 0: the transfer function's own,
-                               // else default_unit_distance()
+  double unit_distance = 0.0;  // world length of the opacities; 0: unit_distance_of()
 
   Lighting& lighting() noexcept { return *this; }
   const Lighting& lighting() const noexcept { return *this; }
@@ -113,6 +112,9 @@ struct Look : Lighting {
 // The unit distance when nobody names one: the field's default sampling distance (its smallest
 // spacing), so that an opacity of 0.5 is what one sample step of a plain ray caster would absorb.
 double default_unit_distance(const Field& field);
+
+// That of a look: its own, else its transfer function's, else the default.
+double unit_distance_of(const Look& look, const Field& field);
 
 // The plainest look for values in `range`: the named colour map over the range, opacity rising from
 // 0 at the low end to 0.5 at the high end.

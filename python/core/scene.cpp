@@ -232,12 +232,9 @@ std::shared_ptr<Picture> Scene::draw(const Asked& asked, Manner manner, Work& wo
   RenderHooks hooks;
   hooks.stop = work.stop;
   hooks.progress = progress_of(work);
-  picture->unit_distance =
-      volume.look.unit_distance > 0
-          ? volume.look.unit_distance
-          : volume.look.transfer_function.unit_distance.value_or(default_unit_distance(field));
-  const bool is_field_alone =
-      !volume.trail && !volume.boundary && !volume.points && !shot.scene.plane;
+  picture->unit_distance = unit_distance_of(volume.look, field);
+  const bool is_field_alone = !volume.trail && !volume.boundary && !volume.points &&
+                              !shot.scene.plane && shot.scene.volumes.size() == 1;
   const int coarseness = is_field_alone ? coarsen(manner.coarseness, work) : 0;
   options.sampling_distance *= std::exp2(coarseness);
   ovoid::Scene quick;

@@ -181,8 +181,7 @@ using Clock = std::chrono::steady_clock;
 
 // A look with what a frame takes for granted where it says nothing.
 Look completed(Look look, const Field& field, const Camera& camera) {
-  if (look.unit_distance == 0 && !look.transfer_function.unit_distance)
-    look.unit_distance = default_unit_distance(field);
+  look.unit_distance = unit_distance_of(look, field);
   if (look.light == Light::kStudio && !look.light_direction)
     look.light_direction = view::studio_key(camera);
   look.isovalue = view::solid_isovalue(look);  // what light is worked out for

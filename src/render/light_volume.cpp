@@ -76,22 +76,16 @@ std::vector<float> light_from_everywhere(const ExtinctionLattice& lattice, doubl
   return light;
 }
 
-// With a unit distance of its own.
-Look with_unit_distance(Look look) {
-  if (look.unit_distance == 0) look.unit_distance = *look.transfer_function.unit_distance;
-  return look;
-}
-
 ExtinctionLattice extinction_of_scene(const LitScene& scene, int threads,
                                       const std::stop_token& stop, KernelTeam* team) {
   if (scene.solid != nullptr) return solid_lattice(*scene.solid, scene.clip_planes, threads, stop);
-  ExtinctionLattice all = extinction_lattice(scene.field, with_unit_distance(scene.look),
-                                             scene.clip_planes, threads, stop, team);
+  ExtinctionLattice all =
+      extinction_lattice(scene.field, scene.look, scene.clip_planes, threads, stop, team);
   if (scene.mixing == Mixing::kColored) return all;
   for (const FurtherVolume& volume : scene.further) {
-    mix_extinction(extinction_lattice(volume.field, with_unit_distance(volume.look),
-                                      scene.clip_planes, threads, stop, team),
-                   scene.mixing, all);
+    mix_extinction(
+        extinction_lattice(volume.field, volume.look, scene.clip_planes, threads, stop, team),
+        scene.mixing, all);
   }
   return all;
 }

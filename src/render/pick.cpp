@@ -47,10 +47,7 @@ ViewRays rays_of(const Field& field, const Camera& camera, const RenderOptions& 
 class GreatestShare {
  public:
   explicit GreatestShare(const PickScene& scene)
-      : look_(scene.look),
-        unit_distance_(look_.unit_distance > 0 ? look_.unit_distance
-                                               : look_.transfer_function.unit_distance.value_or(
-                                                     default_unit_distance(scene.field))) {
+      : look_(scene.look), unit_distance_(unit_distance_of(look_, scene.field)) {
     fading_.opacities = look_.transfer_function.gradient_opacities;
   }
 

@@ -84,11 +84,6 @@ double steepness_of(const Look& look, const ValueRange& range) {
 
 namespace {
 
-double effective_unit_distance(const Field& field, const Look& look) {
-  if (look.unit_distance > 0) return look.unit_distance;
-  return look.transfer_function.unit_distance.value_or(default_unit_distance(field));
-}
-
 ViewLattice::SheetRange checked_sheets(const ViewLattice& lattice, const Bounds3& box) {
   const ViewLattice::SheetRange range = lattice.sheets_meeting(box);
   if (range.last - range.first > kMaxSheets) {
@@ -224,7 +219,7 @@ FramePlan::FramePlan(const Field& field, const ViewLattice& view_lattice, const 
       is_preintegrated(look.mode == Mode::kComposite &&
                        options.classification == Classification::kPreintegrated),
       is_refined(view::draws_pieces(field, look, options)),
-      unit_distance(effective_unit_distance(field, look)),
+      unit_distance(unit_distance_of(look, field)),
       flat_gradient(flat_gradient_of(field, look)),
       gradient_unit(gradient_unit_of(flat_gradient)),
       clip_planes(options.clip_planes),

@@ -170,6 +170,11 @@ double default_unit_distance(const Field& field) {
   return field.default_sampling_distance();
 }
 
+double unit_distance_of(const Look& look, const Field& field) {
+  if (look.unit_distance > 0) return look.unit_distance;
+  return look.transfer_function.unit_distance.value_or(default_unit_distance(field));
+}
+
 Look ramp_look(const ValueRange& range, const std::string& color_map_name) {
   double lo = range.lo;
   double hi = range.hi;

@@ -53,10 +53,7 @@ class Extinction {
     encloses_less_ = mode_ == Mode::kIsosurface && encloses_less(field, isovalue_);
     const ValueRange range = field.value_range();
     least_shown_ = range.lo + 0.02F * (range.hi - range.lo);
-    double unit = look.unit_distance;
-    if (unit == 0)
-      unit = look.transfer_function.unit_distance.value_or(default_unit_distance(field));
-    per_unit_ = 1 / unit;
+    per_unit_ = 1 / unit_distance_of(look, field);
   }
 
   double at(float value) const { return std::isnan(value) ? 0.0 : per_unit_ * of_unit(value); }

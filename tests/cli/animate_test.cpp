@@ -4,6 +4,7 @@
 // documented. No ffmpeg is needed: a script stands in for it.
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
 #include <sys/stat.h>
 
 #include "program.h"
@@ -70,6 +71,28 @@ TEST(Animate, AFrameForEachStepIsWhatRenderDraws) {
         << step;
   }
   EXPECT_NE(read_file(folder / "f_0000.png"), read_file(folder / "f_0002.png"));
+}
+
+// Their sheets and opacities are those of a picture, though all frames share them.
+TEST(Animate, AFrameOfMovingParticlesIsWhatRenderDraws) {
+  const Folder folder;
+  Words files;
+  for (int step = 0; step < 2; ++step) {
+    std::string rows = "x,y,z,heat\n";
+    for (int i = 0; i < 200; ++i) {
+      const double turn = 0.7 * i;
+      rows += fmt::format("{},{},{},{}\n", std::cos(turn) + step, std::sin(turn), 0.02 * i, i);
+    }
+    files.push_back(folder / fmt::format("p{}.csv", step));
+    write_file(files.back(), rows);
+  }
+  Words look = with(kLook, {"--step", "1", "--range", "0,200"});
+  look.erase(look.begin() + 2, look.begin() + 4);  // the other range
+  const std::string path = folder / "one.png";
+  const Words turn = {"--turn", "360", "--frames", "2", "-o", folder / "f_%04d.png"};
+  done(with(with({"animate"}, files), with(turn, look)));
+  done(with(with({"render"}, files), with({"-o", path}, look)));
+  EXPECT_EQ(read_file(folder / "f_0000.png"), read_file(path));
 }
 
 TEST(Animate, FilesAreStepsToo) {

@@ -22,11 +22,6 @@ constexpr double kNowhere = std::numeric_limits<double>::infinity();  // a depth
 // The most optical depth that colours are mixed by: docs/numerics.md, "Several volumes".
 constexpr double kMostDepthMixed = 12;
 
-double unit_distance_of(const Look& look, const Field& field) {
-  if (look.unit_distance > 0) return look.unit_distance;
-  return look.transfer_function.unit_distance.value_or(default_unit_distance(field));
-}
-
 // Of the drawn range, per smallest spacing.
 double flat_rise_of(const Look& look, const Field& field) {
   if (look.mode == Mode::kIsosurface) {

@@ -58,7 +58,7 @@ OUTSIDE = [
     ("Linux's sandboxes", re.compile(r"^(linux/landlock|seccomp)\.h"), ("apps/reader/",)),
     ("HDF5", re.compile(r"^hdf5(_hl)?\.h"), ("src/io/", "tests/cli/lattice_test.cpp")),
     ("OpenVDB", re.compile(r"^(openvdb|tbb)/"), ("src/io/foreign/", "tests/vdb/")),
-    ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "src/simd/", "src/labels/", "src/model/nearest_squares.cpp", "bench/")),
+    ("Highway", re.compile(r"^hwy/"), ("src/render/cpu/", "src/simd/", "src/labels/", "src/model/particles/nearest_squares.cpp", "bench/")),
     ("Vulkan", re.compile(r"^(volk\.h|vulkan/)"), ("src/render/vulkan/",)),
     ("GLFW, Dear ImGui and OpenGL", re.compile(r"^(GLFW/|GL/|imgui|backends/imgui)"), ("apps/viewer/",)),
     ("pybind11", re.compile(r"^pybind11/"), ("python/",)),
@@ -95,8 +95,8 @@ def part_of(path):
     pieces = path.split("/")
     if pieces[0] != "src":
         return None
-    is_part = pieces[1] == "render" or pieces[1:3] == ["io", "foreign"]  # io's other folders are one part
-    return "/".join(pieces[1:3]) if is_part and len(pieces) > 3 else pieces[1]
+    inner = "/".join(pieces[1:3])  # other folders within a part are rooms of it
+    return inner if inner in ALLOWED else pieces[1]
 
 
 def resolve(path, included):

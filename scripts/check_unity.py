@@ -28,7 +28,7 @@ def part_of(path):
     folders = path.split("/")
     if path.startswith("src/io/foreign/"):
         return "src/io/foreign"
-    if path.startswith("src/render/") and len(folders) > 3:
+    if path.startswith("src/render/") and len(folders) > 3 and folders[2] not in ("passes", "light"):
         return "/".join(folders[:3])
     return "/".join(folders[:2])
 

@@ -19,7 +19,7 @@ from sources import ROOT, changed_since, git
 BUDGET = 20.0  # seconds
 FOLDER = os.path.join(ROOT, "build", "dev")
 TIMES = os.path.join(FOLDER, "quick.json")
-UNIT = ("data", "simd", "model", "labels", "fit", "solid", "view", "annotate", "io", "render")
+UNIT = ("data", "simd", "model", "labels", "fit", "solid", "view", "scene", "annotate", "io", "render")
 # The beginning of a path, and the programs that test what is there; the first that fits counts.
 PROGRAMS = [
     ("src/io/foreign/", ["readers_tests"]),

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "model/convert.h"
+#include "model/lattice/convert.h"
 
 namespace ovoid::experiments {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "experiments/natural_neighbors.h"
-#include "model/noise.h"
+#include "model/lattice/noise.h"
 #include "ovoid/fit.h"
 
 namespace ovoid::experiments {

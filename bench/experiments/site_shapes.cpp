@@ -8,11 +8,11 @@
 #include <numbers>
 #include <numeric>
 
-#include "model/amplitudes.h"
-#include "model/ellipsoid_shape.h"
-#include "model/kernel_parts.h"
-#include "model/noise.h"
-#include "model/voronoi_sites.h"
+#include "model/lattice/noise.h"
+#include "model/mesh/amplitudes.h"
+#include "model/mesh/ellipsoid_shape.h"
+#include "model/mesh/voronoi_sites.h"
+#include "model/particles/kernel_parts.h"
 #include "ovoid/fit.h"
 
 namespace ovoid::experiments {

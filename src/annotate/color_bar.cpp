@@ -10,7 +10,7 @@
 #include "annotate/ticks.h"
 #include "ovoid/annotate.h"
 #include "ovoid/error.h"
-#include "view/isosurfaces.h"
+#include "view/look/isosurfaces.h"
 
 namespace ovoid {
 namespace {

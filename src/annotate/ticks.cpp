@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "view/value_scale.h"
+#include "view/look/value_scale.h"
 
 namespace ovoid::annotate {
 namespace {

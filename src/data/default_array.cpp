@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "data/bookkeeping.h"
-#include "data/letters.h"
+#include "data/kernels/letters.h"
 #include "data/scalar_visit.h"
 #include "data/varies.h"
 #include "ovoid/error.h"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "data/field_id.h"
-#include "data/merged_range.h"
+#include "data/lattice/merged_range.h"
 #include "data/validate.h"
 #include "ovoid/error.h"
 

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <new>
 
+#include "data/lattice/paged_lattice.h"
+#include "data/lattice/sample_reader.h"
+#include "data/lattice/sample_survey.h"
+#include "data/lattice/shared_layers.h"
 #include "data/out_of_memory.h"
-#include "data/paged_lattice.h"
-#include "data/sample_reader.h"
-#include "data/sample_survey.h"
-#include "data/shared_layers.h"
 
 namespace ovoid::data {
 namespace {

@@ -10,9 +10,9 @@
 #include <span>
 
 #include "data/parallel.h"
-#include "model/amplitudes.h"
-#include "model/ellipsoid_shape.h"
-#include "model/kernel_parts.h"
+#include "model/mesh/amplitudes.h"
+#include "model/mesh/ellipsoid_shape.h"
+#include "model/particles/kernel_parts.h"
 
 namespace ovoid::fit {
 namespace {

@@ -10,7 +10,7 @@
 #include <limits>
 #include <optional>
 
-#include "data/box_values.h"
+#include "data/lattice/box_values.h"
 #include "ovoid/error.h"
 
 namespace ovoid::fit {

@@ -13,7 +13,7 @@
 #include <string>
 #include <utility>
 
-#include "data/kernel_shape.h"
+#include "data/kernels/kernel_shape.h"
 #include "data/parallel.h"
 #include "fit/clusters.h"
 #include "fit/fit_goal.h"

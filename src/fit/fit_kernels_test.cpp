@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "model/noise.h"
+#include "model/lattice/noise.h"
 #include "model/test_datasets.h"
 #include "ovoid/error.h"
 #include "ovoid/fit.h"

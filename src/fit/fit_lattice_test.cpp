@@ -12,7 +12,7 @@
 
 #include "fit/level_fitter.h"
 #include "io/images/test_volumes.h"
-#include "model/noise.h"
+#include "model/lattice/noise.h"
 #include "model/test_datasets.h"
 #include "ovoid/error.h"
 #include "ovoid/fit.h"

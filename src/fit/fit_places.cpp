@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "data/parallel.h"
-#include "model/mesh_cells.h"
-#include "model/noise.h"
+#include "model/lattice/noise.h"
+#include "model/mesh/mesh_cells.h"
 #include "ovoid/fit.h"
 
 namespace ovoid::fit {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "fit/source_kernels.h"
-#include "model/noise.h"
+#include "model/lattice/noise.h"
 #include "ovoid/dataset.h"
 #include "ovoid/model.h"
 

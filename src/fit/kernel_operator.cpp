@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "data/parallel.h"
-#include "model/kernel_groups.h"
-#include "model/site_order.h"
+#include "model/particles/kernel_groups.h"
+#include "model/particles/site_order.h"
 #include "ovoid/error.h"
 #include "ovoid/fit.h"
 

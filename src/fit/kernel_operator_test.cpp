@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "model/noise.h"
+#include "model/lattice/noise.h"
 #include "ovoid/error.h"
 #include "ovoid/fit.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "data/field_samples.h"
-#include "data/slope_noise.h"
+#include "data/lattice/slope_noise.h"
 
 namespace ovoid::fit {
 namespace {

@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "data/lattice/sample_reader.h"
 #include "data/parallel.h"
-#include "data/sample_reader.h"
 #include "fit/fit_goal.h"
 #include "ovoid/model.h"
 

@@ -9,7 +9,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "data/level_basis.h"
+#include "data/lattice/level_basis.h"
 #include "fit/level_pairs.h"
 
 namespace ovoid::fit {

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "data/level_basis.h"
+#include "data/lattice/level_basis.h"
 
 namespace ovoid::fit {
 

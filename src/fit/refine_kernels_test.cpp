@@ -10,7 +10,7 @@
 #include <unsupported/Eigen/NumericalDiff>
 
 #include "fit/field_slope.h"
-#include "model/noise.h"
+#include "model/lattice/noise.h"
 #include "ovoid/error.h"
 
 namespace ovoid::fit {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "data/kernel_shape.h"
-#include "model/kernel_parts.h"
+#include "data/kernels/kernel_shape.h"
+#include "model/particles/kernel_parts.h"
 #include "ovoid/fit.h"
 
 namespace ovoid::fit {

@@ -14,8 +14,8 @@
 #include "labels/label_grid.h"
 #include "labels/label_rays.h"
 #include "ovoid/error.h"
-#include "view/label_look.h"
-#include "view/look_colors.h"
+#include "view/look/label_look.h"
+#include "view/look/look_colors.h"
 
 namespace ovoid {
 namespace {

@@ -8,13 +8,13 @@
 #include <cmath>
 #include <new>
 
-#include "data/kernel_shape.h"
-#include "data/kernel_sums.h"
+#include "data/kernels/kernel_shape.h"
+#include "data/kernels/kernel_sums.h"
+#include "data/kernels/some_kernels.h"
 #include "data/parallel.h"
-#include "data/some_kernels.h"
-#include "model/kernel_parts.h"
-#include "model/team_bricks.h"
-#include "model/team_run.h"
+#include "model/particles/kernel_parts.h"
+#include "model/team/team_bricks.h"
+#include "model/team/team_run.h"
 #include "ovoid/error.h"
 #include "ovoid/model.h"
 

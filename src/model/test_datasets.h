@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "data/cell_builder.h"
-#include "data/kernel_shape.h"
+#include "data/kernels/kernel_shape.h"
 #include "model/own_array.h"
 #include "ovoid/error.h"
 #include "ovoid/model.h"

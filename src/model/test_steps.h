@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/lattice_steps.h"
+#include "model/time/lattice_steps.h"
 
 namespace ovoid {
 

@@ -7,10 +7,10 @@
 #include <span>
 
 #include "ovoid/renderer.h"
-#include "view/base_plane.h"
-#include "view/further_volume.h"
-#include "view/light_volume.h"
-#include "view/trail_view.h"
+#include "view/plan/base_plane.h"
+#include "view/plan/further_volume.h"
+#include "view/plan/light_volume.h"
+#include "view/plan/trail_view.h"
 
 namespace ovoid {
 

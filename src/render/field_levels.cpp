@@ -6,7 +6,7 @@
 
 #include "ovoid/coarse.h"
 #include "ovoid/error.h"
-#include "view/view_lattice.h"
+#include "view/plan/view_lattice.h"
 
 namespace ovoid {
 namespace {

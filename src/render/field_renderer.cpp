@@ -13,15 +13,15 @@
 #include "model/own_array.h"
 #include "ovoid/error.h"
 #include "ovoid/model.h"
-#include "render/added_pictures.h"
 #include "render/features.h"
 #include "render/lattice_sheets.h"
+#include "render/passes/added_pictures.h"
 #include "render/reference/reference_renderer.h"
-#include "view/coverage.h"
-#include "view/isosurfaces.h"
-#include "view/light.h"
-#include "view/look_2d.h"
-#include "view/space_part.h"
+#include "view/look/isosurfaces.h"
+#include "view/look/light.h"
+#include "view/look/look_2d.h"
+#include "view/plan/coverage.h"
+#include "view/plan/space_part.h"
 
 namespace ovoid {
 namespace {

@@ -16,7 +16,7 @@
 #include "render/back_end.h"
 #include "render/cpu/cpu_renderer.h"
 #include "render/field_levels.h"
-#include "render/light_volume.h"
+#include "render/light/light_volume.h"
 
 namespace ovoid {
 

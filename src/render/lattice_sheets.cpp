@@ -7,7 +7,7 @@
 
 #include "ovoid/error.h"
 #include "render/features.h"
-#include "view/frame_plan.h"
+#include "view/plan/frame_plan.h"
 
 namespace ovoid {
 namespace {

@@ -2,7 +2,7 @@
 #include "ovoid/renderer.h"
 
 #include "render/field_renderer.h"
-#include "render/scene_frame.h"
+#include "render/passes/scene_frame.h"
 
 namespace ovoid {
 

@@ -18,7 +18,7 @@
 
 #include "data/validate.h"
 #include "ovoid/error.h"
-#include "view/visible_points.h"
+#include "view/plan/visible_points.h"
 
 namespace ovoid {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "data/cell_builder.h"
 #include "data/parallel.h"
-#include "model/mesh_cells.h"
+#include "model/mesh/mesh_cells.h"
 #include "model/own_array.h"
 #include "ovoid/error.h"
 #include "solid/corner_frames.h"

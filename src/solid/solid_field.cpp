@@ -10,8 +10,8 @@
 #include <new>
 
 #include "data/parallel.h"
-#include "model/ellipsoid_shape.h"
-#include "model/kernel_parts.h"
+#include "model/mesh/ellipsoid_shape.h"
+#include "model/particles/kernel_parts.h"
 #include "ovoid/error.h"
 #include "ovoid/fit.h"
 #include "solid/corner_frames.h"

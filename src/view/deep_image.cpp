@@ -11,8 +11,8 @@
 #include "ovoid/error.h"
 #include "ovoid/render_options.h"
 #include "ovoid/space_part.h"
-#include "view/coverage.h"
-#include "view/finished_pixel.h"
+#include "view/plan/coverage.h"
+#include "view/plan/finished_pixel.h"
 
 namespace ovoid {
 namespace {

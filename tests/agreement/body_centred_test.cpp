@@ -6,7 +6,7 @@
 #include "support/agreement.h"
 #include "support/scenes.h"
 #include "support/where.h"
-#include "view/frame_plan.h"
+#include "view/plan/frame_plan.h"
 
 namespace ovoid::test {
 namespace body_centred_test {

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "data/resident_lattice.h"
+#include "data/lattice/resident_lattice.h"
 #include "ovoid/crop.h"
 #include "ovoid/model.h"
 #include "support/agreement.h"

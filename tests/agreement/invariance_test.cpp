@@ -16,8 +16,8 @@
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
 #include "support/where.h"
-#include "view/base_plane.h"
-#include "view/frame_plan.h"
+#include "view/plan/base_plane.h"
+#include "view/plan/frame_plan.h"
 
 namespace ovoid::test {
 namespace invariance_test {

@@ -13,8 +13,8 @@
 #include "support/agreement.h"
 #include "support/scenes.h"
 #include "support/where.h"
-#include "view/base_plane.h"
-#include "view/frame_plan.h"
+#include "view/plan/base_plane.h"
+#include "view/plan/frame_plan.h"
 
 namespace ovoid::test {
 namespace lattice_sheets_test {

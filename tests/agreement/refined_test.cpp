@@ -10,7 +10,7 @@
 #include "support/kernel_sets.h"
 #include "support/scenes.h"
 #include "support/where.h"
-#include "view/frame_plan.h"
+#include "view/plan/frame_plan.h"
 
 namespace ovoid::test {
 namespace refined_test {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/cpu/splat.h"
+#include "render/cpu/kernels/splat.h"
 #include "render/shared/sections.h"
 #include "support/agreement.h"
 #include "support/kernel_sets.h"

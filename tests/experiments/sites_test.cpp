@@ -8,7 +8,7 @@
 #include "experiments/natural_neighbors.h"
 #include "experiments/site_fits.h"
 #include "experiments/site_shapes.h"
-#include "model/noise.h"
+#include "model/lattice/noise.h"
 #include "support/where.h"
 
 namespace ovoid::experiments {

@@ -21,7 +21,7 @@
 #include <system_error>
 #include <vector>
 
-#include "data/relevant_runs.h"
+#include "data/lattice/relevant_runs.h"
 #include "io/core/byte_source.h"
 #include "io/core/memory.h"
 #include "io/core/signatures.h"

@@ -13,12 +13,12 @@
 #include <random>
 #include <vector>
 
-#include "data/resident_lattice.h"
+#include "data/lattice/resident_lattice.h"
 #include "ovoid/devices.h"
 #include "support/compare.h"
 #include "support/scenes.h"
 #include "support/where.h"
-#include "view/frame_plan.h"
+#include "view/plan/frame_plan.h"
 
 namespace ovoid::test {
 namespace {

@@ -11,9 +11,9 @@
 #include <type_traits>
 #include <utility>
 
-#include "data/relevant_runs.h"
+#include "data/lattice/relevant_runs.h"
+#include "data/lattice/stored_number.h"
 #include "data/scalar_visit.h"
-#include "data/stored_number.h"
 #include "io/core/point_arrays.h"
 #include "io/core/sample_parts.h"
 #include "io/core/work_done.h"

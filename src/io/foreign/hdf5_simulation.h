@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "data/smoothing_codes.h"
+#include "data/kernels/smoothing_codes.h"
 
 namespace ovoid::io {
 

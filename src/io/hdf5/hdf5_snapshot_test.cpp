@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "data/smoothing_codes.h"
+#include "data/kernels/smoothing_codes.h"
 #include "io/core/test_folder.h"
 #include "io/foreign/hdf5_handle.h"
 #include "io/images/test_volumes.h"

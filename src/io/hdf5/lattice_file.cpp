@@ -11,9 +11,9 @@
 #include <memory>
 #include <utility>
 
-#include "data/encode_relevant.h"
+#include "data/lattice/encode_relevant.h"
+#include "data/lattice/stored_number.h"
 #include "data/scalar_visit.h"
-#include "data/stored_number.h"
 #include "io/cell_lattice.h"
 #include "io/core/atomic_file.h"
 #include "io/core/samples.h"

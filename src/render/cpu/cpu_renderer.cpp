@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "ovoid/error.h"
-#include "render/cpu/base_refinement.h"
-#include "render/cpu/kernel_renderer.h"
-#include "render/cpu/lattice_frame.h"
+#include "render/cpu/kernels/kernel_renderer.h"
+#include "render/cpu/lattice/base_refinement.h"
+#include "render/cpu/lattice/lattice_frame.h"
+#include "render/cpu/lattice/tile.h"
+#include "render/cpu/lattice/warp.h"
 #include "render/cpu/ticks.h"
-#include "render/cpu/tile.h"
 #include "render/cpu/tile_output.h"
-#include "render/cpu/warp.h"
 #include "render/lattice_sheets.h"
 
 namespace ovoid::cpu {

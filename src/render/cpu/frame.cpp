@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/cpu/frame.h"
 
-#include "view/isosurfaces.h"
-#include "view/look_2d.h"
+#include "view/look/isosurfaces.h"
+#include "view/look/look_2d.h"
 
 namespace ovoid::cpu {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "ovoid/renderer.h"
-#include "render/cpu/look_segments.h"
+#include "render/cpu/shade/look_segments.h"
 #include "render/shared/look_values.h"
 #include "render/shared/view_values.h"
 

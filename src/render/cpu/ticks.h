@@ -9,7 +9,7 @@
 #include <x86intrin.h>
 #endif
 
-#include "render/cpu/block.h"
+#include "render/cpu/lattice/block.h"
 
 namespace ovoid::cpu {
 

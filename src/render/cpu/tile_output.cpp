@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "data/large_pages.h"
-#include "view/finished_pixel.h"
+#include "data/lattice/large_pages.h"
+#include "view/plan/finished_pixel.h"
 
 namespace ovoid::cpu {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "data/out_of_memory.h"
-#include "render/cpu/block.h"
+#include "render/cpu/lattice/block.h"
 #include "render/teller.h"
 
 namespace ovoid::cpu {

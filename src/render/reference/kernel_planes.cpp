@@ -10,7 +10,7 @@
 #include <new>
 #include <numbers>
 
-#include "data/kernel_shape.h"
+#include "data/kernels/kernel_shape.h"
 #include "ovoid/error.h"
 
 namespace ovoid::reference {

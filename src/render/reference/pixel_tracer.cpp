@@ -9,10 +9,10 @@
 #include <span>
 #include <utility>
 
-#include "view/frame_plan.h"
-#include "view/isosurfaces.h"
-#include "view/look_2d.h"
-#include "view/look_variation.h"
+#include "view/look/isosurfaces.h"
+#include "view/look/look_2d.h"
+#include "view/look/look_variation.h"
+#include "view/plan/frame_plan.h"
 
 namespace ovoid::reference {
 namespace {

@@ -15,8 +15,8 @@
 #include "ovoid/renderer.h"
 #include "render/reference/shading.h"
 #include "render/reference/view_rays.h"
-#include "view/look_2d.h"
-#include "view/look_table.h"
+#include "view/look/look_2d.h"
+#include "view/look/look_table.h"
 
 namespace ovoid::reference {
 

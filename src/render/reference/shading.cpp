@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "view/light.h"
+#include "view/look/light.h"
 
 namespace ovoid::reference {
 namespace {

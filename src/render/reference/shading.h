@@ -3,7 +3,7 @@
 
 #include "ovoid/look.h"
 #include "ovoid/math.h"
-#include "view/light_volume.h"
+#include "view/plan/light_volume.h"
 
 namespace ovoid::reference {
 

@@ -9,7 +9,7 @@
 #include "ovoid/field.h"
 #include "ovoid/math.h"
 #include "ovoid/renderer.h"
-#include "view/base_plane.h"
+#include "view/plan/base_plane.h"
 
 namespace ovoid::reference {
 

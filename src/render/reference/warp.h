@@ -2,7 +2,7 @@
 #pragma once
 
 #include "ovoid/renderer.h"
-#include "view/base_plane.h"
+#include "view/plan/base_plane.h"
 
 namespace ovoid::reference {
 

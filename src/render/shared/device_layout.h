@@ -45,7 +45,7 @@ OVOID_CONSTANT float kLeastSetWeight = 0.2f;
 OVOID_CONSTANT float kLeastVariance = 1e-6f;
 OVOID_CONSTANT float kLeastInnerVariance = 1e-3f;
 OVOID_CONSTANT int kSurfaceSteps = 8;  // bisections, to 1/256 of a sheet's distance, then a secant
-// Refined pieces: view/look_variation.h.
+// Refined pieces: view/look/look_variation.h.
 OVOID_CONSTANT int kMostSteps = 16;
 OVOID_CONSTANT float kStepsPerVariation = 10.0f;
 OVOID_CONSTANT float kLeastVisibleOpacity = 0.003921568627451f;  // ovoid::kLeastVisibleOpacity
@@ -371,7 +371,7 @@ struct BrickConstants {
   uint padding;
 };
 
-// A kernel in splat space (view/kernel_plan.h), as the cpu back end has it.
+// A kernel in splat space (view/plan/kernel_plan.h), as the cpu back end has it.
 struct DeviceSplat {
   vec4 center;  // x, y, s; weight
   vec4 shape;   // axx, axy, ayy; 1 / variance along s

@@ -4,7 +4,7 @@
 
 #include "ovoid/field.h"
 #include "render/shared/device_layout.h"
-#include "view/kernel_plan.h"
+#include "view/plan/kernel_plan.h"
 
 namespace ovoid {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "data/kernel_weight.h"
+#include "data/kernels/kernel_weight.h"
 #include "render/shared/device_vectors.h"
 
 namespace ovoid {

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "render/shared/device_vectors.h"
-#include "view/look_variation.h"
+#include "view/look/look_variation.h"
 
 namespace ovoid {
 

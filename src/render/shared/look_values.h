@@ -6,8 +6,8 @@
 
 #include "ovoid/look.h"
 #include "render/shared/device_layout.h"
-#include "view/frame_plan.h"
-#include "view/light_volume.h"
+#include "view/plan/frame_plan.h"
+#include "view/plan/light_volume.h"
 
 namespace ovoid {
 

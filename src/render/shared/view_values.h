@@ -5,7 +5,7 @@
 
 #include "ovoid/renderer.h"
 #include "render/shared/device_layout.h"
-#include "view/frame_plan.h"
+#include "view/plan/frame_plan.h"
 
 namespace ovoid {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "data/kernel_shape.h"
+#include "data/kernels/kernel_shape.h"
 #include "data/parallel.h"
 
 namespace ovoid::vulkan {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "render/shared/look_values.h"
-#include "view/look_variation.h"
+#include "view/look/look_variation.h"
 
 namespace ovoid::vulkan {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "ovoid/renderer.h"
-#include "view/frame_plan.h"
+#include "view/plan/frame_plan.h"
 
 namespace ovoid::vulkan {
 

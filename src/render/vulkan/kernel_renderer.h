@@ -13,7 +13,7 @@
 #include "render/shared/kernel_values.h"
 #include "render/vulkan/device_kernels.h"
 #include "render/vulkan/workbench.h"
-#include "view/kernel_plan.h"
+#include "view/plan/kernel_plan.h"
 
 namespace ovoid::vulkan {
 

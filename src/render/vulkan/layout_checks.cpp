@@ -10,11 +10,11 @@
 #include "ovoid/render_options.h"
 #include "render/shared/device_layout.h"
 #include "render/shared/filters.h"
-#include "view/frame_plan.h"
-#include "view/kernel_plan.h"
-#include "view/light_volume.h"
-#include "view/look_table.h"
-#include "view/look_variation.h"
+#include "view/look/look_table.h"
+#include "view/look/look_variation.h"
+#include "view/plan/frame_plan.h"
+#include "view/plan/kernel_plan.h"
+#include "view/plan/light_volume.h"
 
 namespace ovoid::device {
 namespace {

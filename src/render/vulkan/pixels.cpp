@@ -14,7 +14,7 @@
 #include "ovoid/error.h"
 #include "render/shared/device_layout.h"
 #include "render/vulkan/workbench.h"
-#include "view/finished_pixel.h"
+#include "view/plan/finished_pixel.h"
 
 namespace ovoid::vulkan {
 namespace {

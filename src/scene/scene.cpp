@@ -88,7 +88,7 @@ void Scene::validate() const {
     const char* const of_field = !slices.empty() ? "slices" : plane ? "plane" : nullptr;
     if (of_field != nullptr) {
       throw Error(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: there is no volume whose values it could show", of_field));
+                  fmt::format("{}: there is no volume whose values could be shown", of_field));
     }
     if (has_scenery()) return;
     throw Error(ErrorCode::kInvalidArgument,

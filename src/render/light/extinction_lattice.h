@@ -12,6 +12,7 @@
 #include "ovoid/kernel_team.h"
 #include "ovoid/look.h"
 #include "ovoid/render_options.h"
+#include "ovoid/scene.h"
 
 namespace ovoid {
 
